@@ -1,0 +1,21 @@
+"""Scene files: TOML in, validated frozen objects out; the only place that converts units.
+
+``keys`` is the one table of what a scene may say; reading, writing and the JSON schema follow it.
+"""
+
+from pearlite_petsc.config.checks import estimated_elements
+from pearlite_petsc.config.limits import method_warnings
+from pearlite_petsc.config.read import load_scene, load_scene_text
+from pearlite_petsc.config.schema import scene_schema
+from pearlite_petsc.config.write import scene_difference, scene_hash, scene_to_toml
+
+__all__ = [
+    "estimated_elements",
+    "load_scene",
+    "load_scene_text",
+    "method_warnings",
+    "scene_difference",
+    "scene_hash",
+    "scene_schema",
+    "scene_to_toml",
+]
