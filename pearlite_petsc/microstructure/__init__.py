@@ -1,0 +1,1 @@
+"""Label map: nested tessellation of grains, blocks, colonies; shear; lamella directions."""

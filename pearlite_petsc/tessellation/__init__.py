@@ -1,0 +1,1 @@
+"""Elements: nuclei, bounded Voronoi diagram, interfaces, kinds, quality."""

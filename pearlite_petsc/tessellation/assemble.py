@@ -1,0 +1,101 @@
+"""The last step of meshing: from a diagram with labels to a `Mesh`."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
+from pearlite_petsc.scene import Window
+from pearlite_petsc.tessellation.interfaces import interface_kinds, notch_run
+from pearlite_petsc.tessellation.mesh import Mesh
+from pearlite_petsc.tessellation.voronoi import (
+    Diagram,
+    cell_areas,
+    merged_groups,
+    oriented_facets,
+)
+
+DROPPING = 1e-3
+"""Facets shorter than this share of sqrt(width * length) of an element are no interface."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Labels:
+    """Labels and direction of the lamellae [rad] of the elements; (n,) each."""
+
+    prior_austenite_grain: IntArray
+    block: IntArray
+    colony: IntArray
+    lamella_angle: FloatArray
+
+
+def assemble(
+    diagram: Diagram,
+    centre: FloatArray,
+    normal: FloatArray,
+    candidates: BoolArray,
+    labels: Labels,
+    nucleus: IntArray,
+    fine: BoolArray,
+    window: Window,
+    spacing: float,
+    made_from: tuple[str, int, int],
+) -> Mesh:
+    """Drop facets that are too short, find the notch and the kinds, and put the mesh together.
+
+    Args:
+        diagram: Cells of n elements and k facets between them.
+        centre: Of the elements [um]; (n, 2).
+        normal: Unit normals of the facets, from the first to the second element; (k, 2).
+        candidates: Facets on the notch line that may belong to the notch; (k,).
+        labels: Of the elements.
+        nucleus: Number of each element's nucleus; (n,).
+        fine: Whether an element belongs to the fine zone; (n,).
+        window: Size and notch [um].
+        spacing: Mean spacing of the fine elements [um].
+        made_from: State, index, seed.
+
+    Raises:
+        MeshError: The facets do not follow the notch.
+    """
+    vertices = diagram.vertices
+    length = np.hypot(*(vertices[diagram.facets[:, 1]] - vertices[diagram.facets[:, 0]]).T)
+    kept = length >= DROPPING * spacing
+    pairs, normal = diagram.pairs[kept], normal[kept]
+    facets = oriented_facets(vertices, diagram.facets[kept], normal)
+    on_notch, tip = notch_run(vertices, facets, candidates[kept], window, spacing)
+    kind = interface_kinds(
+        normal,
+        pairs,
+        (labels.prior_austenite_grain, labels.block, labels.colony),
+        labels.lamella_angle,
+        on_notch,
+    )
+    state, index, seed = made_from
+    return Mesh(
+        vertices=vertices,
+        junction=merged_groups(len(vertices), diagram.facets[~kept]),
+        centre=centre,
+        area=cell_areas(vertices, diagram.offsets, diagram.vertex_indices),
+        offsets=diagram.offsets,
+        vertex_indices=diagram.vertex_indices,
+        colony=labels.colony,
+        block=labels.block,
+        prior_austenite_grain=labels.prior_austenite_grain,
+        lamella_angle=labels.lamella_angle,
+        nucleus=nucleus,
+        fine=fine,
+        interface_elements=pairs,
+        interface_vertices=facets,
+        length=length[kept],
+        midpoint=vertices[facets].mean(axis=1),
+        normal=normal,
+        kind=kind,
+        boundary_elements=diagram.boundary,
+        boundary_vertices=diagram.boundary_facets,
+        window=(window.width, window.height),
+        notch=tip,
+        state=state,
+        index=index,
+        seed=seed,
+    )

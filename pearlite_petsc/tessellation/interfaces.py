@@ -1,0 +1,80 @@
+"""Kinds of interfaces, and the notch as a run of facets."""
+
+import numpy as np
+
+from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
+from pearlite_petsc.errors import MeshError
+from pearlite_petsc.scene import Kind, Window
+
+
+def interface_kinds(
+    normal: FloatArray,
+    pairs: IntArray,
+    labels: tuple[IntArray, IntArray, IntArray],
+    lamella_angle: FloatArray,
+    on_notch: BoolArray,
+) -> IntArray:
+    """Return the kind of each interface.
+
+    Inside a colony an interface within 45 degrees of the lamellae is `lamella`, else `cementite`.
+
+    Args:
+        normal: Unit normals; (k, 2).
+        pairs: Elements of each interface; (k, 2).
+        labels: Prior austenite grain, block, colony of the elements; (n,) each.
+        lamella_angle: Of the elements [rad]; (n,).
+        on_notch: Whether an interface belongs to the notch; (k,).
+
+    Returns:
+        Values of `Kind`; (k,).
+    """
+    angle = lamella_angle[pairs[:, 0]]
+    across = np.abs(normal[:, 0] * np.cos(angle) + normal[:, 1] * np.sin(angle))
+    grain, block, colony = ((label[pairs[:, 0]] == label[pairs[:, 1]]) for label in labels)
+    return np.select(
+        [on_notch, colony & (across <= np.sqrt(0.5)), colony, block, grain],
+        [Kind.NOTCH, Kind.LAMELLA, Kind.CEMENTITE, Kind.COLONY, Kind.BLOCK],
+        Kind.PRIOR_AUSTENITE_GRAIN,
+    ).astype(np.int64)
+
+
+def notch_run(
+    vertices: FloatArray,
+    facets: IntArray,
+    mirrored: BoolArray,
+    window: Window,
+    spacing: float,
+) -> tuple[BoolArray, tuple[float, float]]:
+    """Return the facets of the notch and its tip.
+
+    Args:
+        vertices: [um]; (m, 2).
+        facets: End vertices of the interfaces; (k, 2).
+        mirrored: Which interfaces lie between a nucleus and its image across the notch; (k,).
+        window: Size and nominal notch [um].
+        spacing: Mean spacing of the fine nuclei [um].
+
+    Returns:
+        Which interfaces belong to the notch (k,), and where it ends (x, y) [um].
+
+    Raises:
+        MeshError: The facets do not reach from the window's edge to the nominal tip.
+    """
+    middle = 0.5 * window.height
+    number = np.flatnonzero(mirrored)
+    x = vertices[facets[number], 0]
+    start, end = x.min(axis=1), x.max(axis=1)
+    order = np.argsort(start)
+    start, end, number = start[order], end[order], number[order]
+    reached = np.concatenate([[0.0], end[:-1]])
+    gaps = np.flatnonzero(start - reached > 1e-2 * spacing)
+    run = int(gaps[0]) if len(gaps) else len(number)
+    tip = float(end[run - 1]) if run else 0.0
+    if abs(tip - window.notch) > 3.0 * spacing:
+        raise MeshError(
+            f"notch ends at x = {tip:.4g} um, more than {3.0 * spacing:.4g} um from "
+            f"the {window.notch:g} um asked for"
+        )
+    on_notch = np.zeros(len(facets), dtype=np.bool_)
+    on_notch[number[:run]] = True
+    return on_notch, (tip, middle)
