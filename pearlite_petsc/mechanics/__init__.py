@@ -1,0 +1,1 @@
+"""Springs, kinematics, loads and linear elastic fracture mechanics (pure numpy)."""

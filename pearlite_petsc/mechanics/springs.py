@@ -1,0 +1,100 @@
+"""Spring laws: stiffness per area of the springs spread along an interface (plane stress)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.errors import PearliteError
+from pearlite_petsc.scene import Material
+from pearlite_petsc.tessellation.mesh import Mesh
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stiffness:
+    """Intact spring stiffnesses.
+
+    Attributes:
+        k_n: Normal stiffness per area [MPa/um]; (k,).
+        k_t: Tangential stiffness per area [MPa/um]; (k,).
+    """
+
+    k_n: FloatArray
+    k_t: FloatArray
+
+
+def equivalent_length(mesh: Mesh) -> FloatArray:
+    """Return L_eq, the distance of the two centres projected on the normal [um]; shape (k,)."""
+    i, j = mesh.interface_elements.T
+    return np.asarray(np.einsum("kd,kd->k", mesh.centre[j] - mesh.centre[i], mesh.normal))
+
+
+def raje_ratio(poisson_ratio: float) -> float:
+    """Return k_t/k_n of the source, (1 - 3 nu)/(1 + nu), Eq. (24)-(25).
+
+    Raises:
+        PearliteError: The ratio is not positive (nu >= 1/3).
+    """
+    ratio = (1.0 - 3.0 * poisson_ratio) / (1.0 + poisson_ratio)
+    if not ratio > 0.0:
+        raise PearliteError(
+            f"springs 'raje': poisson_ratio {poisson_ratio:g} gives k_t/k_n = {ratio:.3g}; Eq. (25) "
+            "needs poisson_ratio < 1/3 (use 'homogeneous' or 'matched')"
+        )
+    return ratio
+
+
+def spring_stiffness(mesh: Mesh, material: Material, ratio: float | None = None) -> Stiffness:
+    """Return the springs of each interface, the notch's included (callers break those).
+
+    ``raje``: k_n = E/((1-nu) L_eq), k_t = E (1-3 nu)/((1-nu^2) L_eq), Eq. (24)-(25), thickness 1.
+    ``homogeneous``: k_n = k_t = E/L_eq.
+    ``matched``: k_n = E/((1-nu) L_eq) and k_t = ratio k_n, the ratio from ``matched_ratio``.
+
+    Args:
+        mesh: The mesh.
+        material: Elastic constants and spring law.
+        ratio: k_t/k_n, for ``matched`` only.
+
+    Raises:
+        PearliteError: Centres out of order along a normal, raje with nu >= 1/3, or no ratio.
+    """
+    distance = equivalent_length(mesh)
+    if not np.all(distance > 0.0):
+        worst = int(np.argmin(distance))
+        raise PearliteError(
+            f"interface {worst}: centre distance {distance[worst]:g} um is not positive"
+        )
+    if material.springs == "homogeneous":
+        k_n = material.youngs_modulus / distance
+        return Stiffness(k_n, k_n)
+    k_n = material.youngs_modulus / ((1.0 - material.poisson_ratio) * distance)
+    if material.springs == "raje":
+        return Stiffness(k_n, raje_ratio(material.poisson_ratio) * k_n)
+    if ratio is None:
+        raise PearliteError("springs 'matched': the ratio k_t/k_n of the mesh is missing")
+    return Stiffness(k_n, ratio * k_n)
+
+
+def matched_ratio(poisson_of_ratio: Callable[[float], float], poisson_ratio: float) -> float:
+    """Return k_t/k_n for which a mesh shows the wanted Poisson ratio.
+
+    Args:
+        poisson_of_ratio: Poisson ratio of the mesh as a falling function of k_t/k_n.
+        poisson_ratio: The ratio to meet.
+
+    Raises:
+        PearliteError: No ratio between 0.01 and 4 meets it.
+    """
+    low, high = 0.01, 4.0
+    ends = poisson_of_ratio(low) - poisson_ratio, poisson_of_ratio(high) - poisson_ratio
+    if not ends[0] > 0.0 > ends[1]:
+        raise PearliteError(
+            f"springs 'matched': this mesh reaches Poisson ratios from {ends[1] + poisson_ratio:.3f} "
+            f"to {ends[0] + poisson_ratio:.3f}, not {poisson_ratio:g}"
+        )
+    return float(
+        brentq(lambda ratio: poisson_of_ratio(ratio) - poisson_ratio, low, high, xtol=1e-6)
+    )
