@@ -1,0 +1,218 @@
+"""Equilibrium of the elements: CG on the distributed matrix, with fallbacks counted."""
+
+from collections import Counter
+
+import numpy as np
+from mpi4py import MPI
+
+from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.errors import SolverError
+from pearlite_petsc.mechanics.kinematics import jumps
+from pearlite_petsc.scene import Solver
+from pearlite_petsc.solver.ghosts import GhostExchange
+from pearlite_petsc.solver.krylov import (
+    FALLBACK_PREFIX,
+    PREFIX,
+    direct_settings,
+    factor_settings,
+    make_solver,
+    multigrid_settings,
+    setup_cost,
+    smooths_with_new_values,
+    stage,
+)
+from pearlite_petsc.solver.matrix import StiffnessMatrix
+from pearlite_petsc.solver.part import Part
+from pearlite_petsc.solver.petsc import PETSc
+
+RESIDUAL_LIMIT = 1e-6
+"""Largest relative residual that a direct solver may leave."""
+
+
+class Equilibrium:
+    """Solves K x = f while the damage grows. Collective; use as a context manager.
+
+    The preconditioner is kept until the iterations that it costs beyond its first solve add up to
+    the price of a new one, which at worst doubles the best possible cost. The decision counts
+    iterations and not seconds, so that a run repeats itself bit for bit.
+
+    Attributes:
+        counters: iterations, solves, setups; multigrid (instead of factors that failed), refreshed
+            and direct (fallbacks).
+        set_up_damage: Damage that the preconditioner was made for; (k,).
+    """
+
+    def __init__(self, comm: MPI.Comm, part: Part, damage: FloatArray, settings: Solver) -> None:
+        self.part, self.settings = part, settings
+        self.counters: Counter[str] = Counter()
+        self.operator = part.jump_operator()
+        with stage("assemble"):
+            self._matrix = StiffnessMatrix(comm, part, self.operator, damage)
+        self._damage = damage
+        self._comm = comm
+        self._x, self._b = self._matrix.mat.createVecs()
+        self._ghosts = GhostExchange(self._x, part)
+        self._ksp: PETSc.KSP | None = None
+        self._setup_cost = setup_cost(3 * part.total)
+        self._first_iterations = 0
+        self._set_up()
+
+    def __enter__(self) -> "Equilibrium":
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        if self._ksp is not None:
+            self._ksp.destroy()
+        self._ghosts.close()
+        self._x.destroy()
+        self._b.destroy()
+        self._matrix.__exit__()
+
+    @property
+    def mat(self) -> PETSc.Mat:
+        """The matrix."""
+        return self._matrix.mat
+
+    def update(self, damage: FloatArray) -> None:
+        """Take the damage of the part's interfaces; shape (k,), not changed afterwards."""
+        self._damage = damage
+        with stage("assemble"):
+            self._matrix.update(damage)
+            if self._ksp is not None and smooths_with_new_values(self._ksp.pc):
+                self._matrix.follow()
+
+    def solve(self, load: FloatArray, guess: FloatArray | None = None) -> FloatArray:
+        """Return the unknowns in equilibrium with the load.
+
+        Args:
+            load: (F_x, F_y, M) on own elements [uN, uN, uN um]; shape (own, 3).
+            guess: Unknowns to start from; None starts from the last solution.
+
+        Returns:
+            Unknowns (X, Y, phi) of own elements and ghosts [um]; shape (own + g, 3).
+
+        Raises:
+            SolverError: Neither CG nor a direct solver found the equilibrium.
+        """
+        scaled = load.copy()
+        scaled[:, 2] /= self.part.rotation
+        self._b.setArray(scaled.ravel())
+        if guess is not None:
+            self._x.setArray(guess[: self.part.own].ravel())
+        self.counters["solves"] += 1
+        if self.settings.method == "direct":
+            if self.set_up_damage is not self._damage:
+                self._set_up()
+            self._solve_direct(self._ksp)
+        else:
+            self._solve_iterative()
+        return self._ghosts.values(self._x)
+
+    def reset(self, damage: FloatArray) -> None:
+        """Forget everything but the mesh: new damage, zero guess, new preconditioner."""
+        self.update(damage)
+        self._x.set(0.0)
+        self.counters.clear()
+        self._set_up()
+
+    def memory(self) -> dict[str, FloatArray]:
+        """Return what the next solve depends on beside the damage, for a checkpoint.
+
+        The damage of the last set-up (k,), the last solution of own elements (own, 3), and
+        (first iterations, excess, fresh).
+        """
+        state = np.array([self._first_iterations, self._excess, self._fresh], dtype=float)
+        solution = self._x.getArray(readonly=True).reshape(-1, 3).copy()
+        return {"set_up_damage": self.set_up_damage, "solution": solution, "reuse": state}
+
+    def recall(self, memory: dict[str, FloatArray]) -> None:
+        """Go on from a checkpoint: the preconditioner of then, and the solution to start from."""
+        damage = self._damage
+        self.update(memory["set_up_damage"])
+        self._set_up()
+        self.update(damage)
+        self._x.setArray(memory["solution"].ravel())
+        first, self._excess, fresh = memory["reuse"].tolist()
+        self._first_iterations, self._fresh = int(first), bool(fresh)
+
+    def jumps(self, unknowns: FloatArray) -> FloatArray:
+        """Return (normal, tangential, rotational) jump of each interface of the part; (k, 3)."""
+        i, j = self.part.pairs.T
+        return jumps(self.operator, unknowns[i], unknowns[j])
+
+    def _make_ksp(self, direct: bool, prefix: str = PREFIX) -> PETSc.KSP:
+        self.counters["setups"] += 1
+        tolerance = self.settings.relative_tolerance
+        with stage("setup"):
+            if direct:
+                return make_solver(
+                    self._matrix, direct_settings(self._comm.size), tolerance, prefix
+                )
+            if self.settings.method == "factors":
+                settings = factor_settings(self._comm.size, 3 * self.part.total)
+                try:
+                    return make_solver(self._matrix, settings, tolerance, prefix)
+                except SolverError:
+                    self.counters["multigrid"] += 1
+            return make_solver(self._matrix, multigrid_settings(), tolerance, prefix)
+
+    def _set_up(self) -> None:
+        """Make the preconditioner (or factors) of the current values.
+
+        A new solver each time: what GAMG would keep of the last one (its random vectors) must not
+        decide what a restarted run computes.
+        """
+        if self._ksp is not None:
+            self._ksp.destroy()
+        self._ksp = self._make_ksp(self.settings.method == "direct")
+        self.set_up_damage = self._damage
+        self._fresh = True
+        self._excess = 0.0
+
+    def _solve_iterative(self) -> None:
+        if self._excess > self._setup_cost:
+            self._set_up()
+        start = self._x.getArray().copy()
+        iterations, reason = self._run(self._ksp)
+        if reason < 0 and not self._is_current():
+            self.counters["refreshed"] += 1
+            self._set_up()
+            self._x.setArray(start)
+            iterations, reason = self._run(self._ksp)
+        if reason < 0:
+            self.counters["direct"] += 1
+            self._excess = np.inf
+            ksp = self._make_ksp(True, FALLBACK_PREFIX)
+            try:
+                self._solve_direct(ksp)
+            finally:
+                ksp.destroy()
+            return
+        if self._fresh:
+            self._first_iterations, self._fresh = iterations, False
+        self._excess += max(0, iterations - self._first_iterations)
+
+    def _is_current(self) -> bool:
+        """Whether the preconditioner was made for the current damage. Collective."""
+        same = np.array_equal(self.set_up_damage, self._damage)
+        return bool(self._comm.allreduce(same, MPI.LAND))
+
+    def _solve_direct(self, ksp: PETSc.KSP) -> None:
+        _, reason = self._run(ksp)
+        residual = self._b.duplicate()
+        self.mat.mult(self._x, residual)
+        residual.axpy(-1.0, self._b)
+        relative = residual.norm() / max(self._b.norm(), np.finfo(float).tiny)
+        residual.destroy()
+        if reason < 0 or not relative < RESIDUAL_LIMIT:
+            raise SolverError(
+                f"direct solver: reason {reason}, relative residual {relative:.1e} against "
+                f"{RESIDUAL_LIMIT:g}"
+            )
+
+    def _run(self, ksp: PETSc.KSP) -> tuple[int, int]:
+        with stage("solve"):
+            ksp.solve(self._b, self._x)
+        iterations = ksp.getIterationNumber()
+        self.counters["iterations"] += iterations
+        return iterations, int(ksp.getConvergedReason())

@@ -1,0 +1,37 @@
+"""Values of a rank's own elements and its ghosts, exchanged between neighbours by a scatter."""
+
+import numpy as np
+
+from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.solver.part import Part
+from pearlite_petsc.solver.petsc import PETSc
+
+
+class GhostExchange:
+    """Brings the unknowns of the ghosts from their owners. Collective; close it when done.
+
+    Args:
+        vector: A vector of the unknowns.
+        part: This rank's share of the mesh.
+    """
+
+    def __init__(self, vector: PETSc.Vec, part: Part) -> None:
+        kind = PETSc.IntType
+        source = PETSc.IS().createBlock(3, part.ghosts.astype(kind), comm=PETSc.COMM_SELF)
+        self._ghost = PETSc.Vec().createSeq(3 * len(part.ghosts), bsize=3)
+        target = PETSc.IS().createStride(self._ghost.getSize(), step=1, comm=PETSc.COMM_SELF)
+        self._scatter = PETSc.Scatter().create(vector, source, self._ghost, target)
+        source.destroy()
+        target.destroy()
+
+    def close(self) -> None:
+        """Destroy the PETSc objects. Collective."""
+        self._scatter.destroy()
+        self._ghost.destroy()
+
+    def values(self, vector: PETSc.Vec) -> FloatArray:
+        """Return the unknowns of own elements and ghosts; shape (own + g, 3). Collective."""
+        self._scatter.scatter(vector, self._ghost)
+        own = vector.getArray(readonly=True)
+        ghosts = self._ghost.getArray(readonly=True)
+        return np.asarray(np.concatenate([own, ghosts]).reshape(-1, 3))

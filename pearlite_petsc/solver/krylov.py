@@ -1,0 +1,163 @@
+"""Krylov solver and preconditioner of one matrix: the project's settings, the user's word on top."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+from pearlite_petsc.errors import SolverError
+from pearlite_petsc.solver.matrix import StiffnessMatrix
+from pearlite_petsc.solver.options import prefixed_options
+from pearlite_petsc.solver.petsc import PETSc
+
+PREFIX = "pearlite_"
+FALLBACK_PREFIX = "pearlite_direct_"
+
+CG = {"ksp_type": "cg", "ksp_norm_type": "unpreconditioned", "ksp_max_it": "400"}
+
+MULTIGRID = {
+    "pc_type": "gamg",
+    # One symmetric sweep smooths as well as three Chebyshev steps with blocks of the diagonal, at
+    # half the products, and needs no estimate of eigenvalues.
+    "mg_levels_ksp_type": "richardson",
+    "mg_levels_ksp_max_it": "1",
+    "mg_levels_pc_type": "sor",
+    "mg_levels_pc_sor_omega": "1.1",
+    # Two levels of large aggregates halve the set-up; the threshold, which falls from level to
+    # level, keeps them from reaching across a crack.
+    "pc_gamg_threshold": "0.12",
+    "pc_gamg_threshold_scale": "0.5",
+    "pc_gamg_coarse_eq_limit": "1000",
+    # For the smoothing of the prolongation.
+    "pc_gamg_esteig_ksp_max_it": "5",
+}
+
+MOST_CHOLMOD = 2e5
+"""Unknowns up to which factors of CHOLMOD are cheaper than those of MUMPS on one rank."""
+
+SETUP_COST: tuple[tuple[float, float], ...] = ((3e3, 25.0), (1e4, 19.0), (1e5, 14.0), (1e6, 12.0))
+"""(unknowns, cost of a new preconditioner in iterations), as ``bench solver`` measures it."""
+
+
+def multigrid_settings() -> dict[str, str]:
+    """Return the options of CG with GAMG, by name without prefix."""
+    if PETSc.Sys.getVersion() < (3, 19):
+        return {**CG, **MULTIGRID, "pc_gamg_square_graph": "2"}
+    return {**CG, **MULTIGRID, "pc_gamg_aggressive_coarsening": "2"}
+
+
+def factor_settings(ranks: int, unknowns: int) -> dict[str, str]:
+    """Return the options of CG with factors of an earlier matrix as preconditioner.
+
+    Args:
+        ranks: Of the group.
+        unknowns: Of the matrix.
+
+    Raises:
+        SolverError: Several ranks, and PETSc without MUMPS.
+    """
+    if ranks == 1 and unknowns <= MOST_CHOLMOD and _has("suitesparse"):
+        return {**CG, "pc_type": "cholesky", "pc_factor_mat_solver_type": "cholmod"}
+    # Approximate minimum degree: elements numbered along a curve take it well, and the factors
+    # cost a third less than with the orderings that MUMPS chooses.
+    return {**direct_settings(ranks), **CG, "mat_mumps_icntl_7": "0"}
+
+
+def direct_settings(ranks: int) -> dict[str, str]:
+    """Return the options of a direct solver: MUMPS where PETSc has it, else PETSc's Cholesky.
+
+    Raises:
+        SolverError: Several ranks, and PETSc without MUMPS.
+    """
+    settings = {"ksp_type": "preonly", "pc_type": "cholesky"}
+    if _has("mumps"):
+        settings["pc_factor_mat_solver_type"] = "mumps"
+    elif ranks > 1:
+        raise SolverError(
+            f"direct solver on {ranks} ranks: this PETSc has no MUMPS; use one rank a task"
+        )
+    return settings
+
+
+def _has(package: str) -> bool:
+    return bool(PETSc.Sys.hasExternalPackage(package))
+
+
+def setup_cost(unknowns: int) -> float:
+    """Return what a new preconditioner costs in iterations, by the number of unknowns."""
+    return next((cost for size, cost in SETUP_COST if unknowns <= size), SETUP_COST[-1][1])
+
+
+@contextmanager
+def stage(name: str) -> Iterator[None]:
+    """Log what runs inside under a stage of ``-log_view``."""
+    log = PETSc.Log.Stage(name)
+    log.push()
+    try:
+        yield
+    finally:
+        log.pop()
+
+
+def make_solver(
+    matrix: StiffnessMatrix,
+    settings: Mapping[str, str],
+    relative_tolerance: float,
+    prefix: str = PREFIX,
+) -> PETSc.KSP:
+    """Return a solver that is set up for the matrix and keeps its preconditioner. Collective.
+
+    Args:
+        matrix: The matrix.
+        settings: Options by name; plain options of the user win over them unless the prefix is
+            that of the fallback.
+        relative_tolerance: Of the unpreconditioned residual.
+        prefix: Of the options.
+
+    Raises:
+        SolverError: PETSc does not know an option's value, or the set-up fails.
+    """
+    matrix.follow()
+    mat = matrix.mat
+    # By way of the transposed prolongation the product is faster, on one rank where PETSc has it.
+    products = {"matptap_via": "rap"} if mat.comm.size == 1 else {}
+    ksp = PETSc.KSP().create(mat.comm)
+    ksp.setOptionsPrefix(prefix)
+    ksp.setOperators(mat, matrix.setup_mat)
+    ksp.setTolerances(rtol=relative_tolerance)
+    with prefixed_options(prefix, settings, products, plain=prefix != FALLBACK_PREFIX):
+        try:
+            ksp.setFromOptions()
+        except PETSc.Error as error:
+            raise SolverError(f"PETSc refuses the options of the solver: {error}") from error
+        ksp.setInitialGuessNonzero(ksp.getType() != PETSc.KSP.Type.PREONLY)
+        try:
+            ksp.setUp()
+            if _sets_up_when_applied(ksp.pc):
+                # Now, not after the damage has moved on, or a restarted run would differ.
+                ones, scratch = mat.createVecs()
+                ones.set(1.0)
+                ksp.pc.apply(ones, scratch)
+                ones.destroy()
+                scratch.destroy()
+        except PETSc.Error as error:
+            ksp.destroy()
+            raise SolverError(f"PETSc cannot set up the preconditioner: {error}") from error
+    ksp.pc.setReusePreconditioner(True)
+    return ksp
+
+
+def smooths_with_new_values(pc: PETSc.PC) -> bool:
+    """Return whether the finest smoother takes new values of the AIJ matrix without a set-up.
+
+    It then sees a break that the rest of the hierarchy does not know, which saves a quarter of the
+    iterations. Smoothers that estimate eigenvalues would do so again at every change.
+    """
+    if pc.getType() != PETSc.PC.Type.GAMG:
+        return False
+    levels = range(1, pc.getMGLevels())
+    return all(pc.getMGSmoother(level).getType() != "chebyshev" for level in levels)
+
+
+def _sets_up_when_applied(pc: PETSc.PC) -> bool:
+    """Return whether the first application may estimate eigenvalues or make sub-solvers."""
+    factored = pc.getType() in (PETSc.PC.Type.CHOLESKY, PETSc.PC.Type.LU)
+    return not factored and not smooths_with_new_values(pc)
