@@ -1,0 +1,1 @@
+"""Damage laws, cycle jump, crack, growth rate (pure numpy)."""

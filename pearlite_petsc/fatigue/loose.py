@@ -1,0 +1,59 @@
+"""Clusters of elements that broken interfaces have cut off."""
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from pearlite_petsc.arrays import BoolArray, IntArray
+from pearlite_petsc.errors import SolverError
+from pearlite_petsc.fatigue.union_find import UnionFind
+from pearlite_petsc.tessellation.mesh import Mesh
+
+
+class LooseClusters:
+    """Finds loose clusters; the search runs only after a break that closes a ring.
+
+    In the plane a cluster comes loose exactly when broken interfaces (with the window's boundary)
+    close a ring round it, which a union-find over their ends notices.
+    """
+
+    def __init__(self, mesh: Mesh, broken: BoolArray) -> None:
+        self._mesh = mesh
+        self._rings = UnionFind()
+        border = mesh.junction[mesh.boundary_vertices].ravel()
+        for junction in border[1:]:
+            self._rings.join(int(border[0]), int(junction))
+        self.loose = np.zeros(mesh.element_count, dtype=bool)
+        self.update(np.flatnonzero(broken), broken)
+
+    def update(self, fresh: IntArray, broken: BoolArray) -> None:
+        """Take newly broken interfaces.
+
+        Args:
+            fresh: Their numbers.
+            broken: All that are broken; (k,).
+
+        Raises:
+            SolverError: A cluster was cut off that carries boundary load.
+        """
+        ends = self._mesh.junction[self._mesh.interface_vertices[fresh]]
+        rings = [not self._rings.join(a, b) for a, b in ends.tolist()]
+        if any(rings):
+            self._search(broken)
+
+    def _search(self, broken: BoolArray) -> None:
+        mesh = self._mesh
+        i, j = mesh.interface_elements[~broken].T
+        shape = (mesh.element_count, mesh.element_count)
+        graph = coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=shape)
+        _, label = connected_components(graph, directed=False)
+        self.loose = label != np.bincount(label).argmax()
+        loaded = self.loose[mesh.boundary_elements]
+        if loaded.any():
+            element = int(mesh.boundary_elements[np.flatnonzero(loaded)[0]])
+            x, y = mesh.centre[element]
+            size = int((label == label[element]).sum())
+            raise SolverError(
+                f"a cluster of {size} elements about element {element} at ({x:.1f}, {y:.1f}) um is "
+                "cut off and carries boundary load: no equilibrium exists"
+            )
