@@ -1,0 +1,1 @@
+"""One crack: a mesh at one Delta-K. Wires tessellation, mechanics, fatigue and solver."""

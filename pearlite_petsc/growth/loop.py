@@ -1,0 +1,395 @@
+"""The growth of one crack as a generator of steps, each one solve and the block that follows."""
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from pearlite_petsc.arrays import FloatArray, IntArray
+from pearlite_petsc.errors import SolverError
+from pearlite_petsc.fatigue.crack import CrackTracker
+from pearlite_petsc.fatigue.growth_rate import slope
+from pearlite_petsc.fatigue.loose import LooseClusters
+from pearlite_petsc.fatigue.outcome import GrowthState, Outcome, StopReason
+from pearlite_petsc.growth.blocks import Blocks
+from pearlite_petsc.growth.checkpoint import Checkpoint
+from pearlite_petsc.growth.domain import Domain
+from pearlite_petsc.growth.first_rank import on_first
+from pearlite_petsc.growth.front import ACTIVE_DAMAGE, Follower, carry_over, interface_pairs
+from pearlite_petsc.growth.prepared import Prepared
+from pearlite_petsc.growth.softening_tip import softening_tip
+from pearlite_petsc.scene import Kind, Scene, State
+from pearlite_petsc.tessellation.build import tessellate
+from pearlite_petsc.tessellation.mesh import Mesh
+from pearlite_petsc.tessellation.zone import FineZone
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Where a crack stands after a block.
+
+    Attributes:
+        cycles: N [cycles].
+        crack_length: Furthest x [um].
+        solves: Linear solves so far.
+        stop: Why the task ended, None while it goes on.
+    """
+
+    cycles: float
+    crack_length: float
+    solves: int
+    stop: StopReason | None
+
+
+class CrackGrowth:
+    """Grows one crack. Collective over the group; close it when done.
+
+    Args:
+        comm: The group.
+        scene: The scene.
+        state: State of the steel.
+        delta_k: Delta-K [MPa sqrt(um)].
+        prepared: Microstructure and first mesh on rank 0, None elsewhere.
+        checkpoint: What ``checkpoint`` returned, on rank 0; None starts from the notch. Continued
+            on as many ranks, the crack is the uninterrupted one bit for bit.
+    """
+
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        scene: Scene,
+        state: State,
+        delta_k: float,
+        prepared: Prepared | None,
+        checkpoint: Checkpoint | None = None,
+    ) -> None:
+        self._started = perf_counter()
+        self.comm, self.scene, self.state, self.delta_k = comm, scene, state, delta_k
+        self._prepared = prepared
+        self._follower = Follower(scene, comm.bcast(None if prepared is None else prepared.zone))
+        self._counters: Counter[str] = Counter()
+        self._wall_before = 0.0
+        self.solves = self.refinements = 0
+        if comm.bcast(checkpoint is not None):
+            self._restore(checkpoint)
+            return
+        self._enter(Domain(comm, scene, *_first_mesh(prepared)), 0.0)
+        self._start_length = self._tracker.tip[0]
+        self._history = [(0.0, self._start_length, 0.0, 0)]
+
+    def close(self) -> None:
+        """Destroy the PETSc objects. Collective."""
+        self.domain.close()
+
+    def steps(self) -> Iterator[Step]:
+        """Yield a step after every block, the last one with its reason. Collective.
+
+        Raises:
+            SolverError: No equilibrium was found; the message names cycle and crack length.
+        """
+        stop = None
+        while stop is None:
+            if self._follower.is_near_coarse(self.comm, self._front()):
+                self._replace_mesh()
+            if self._see() or self._blocks.advance(self._solve):
+                stop = self._take_breaks()
+            else:
+                stop = StopReason.ARRESTED
+            # No equilibrium need exist where the crack has cut through to the window's edge.
+            whole = stop is not None and stop is not StopReason.BOUNDARY
+            if whole and self._blocks.is_provisional and self._see():
+                self._take_breaks()
+            yield Step(self.cycles, self._tracker.tip[0], self.solves, stop)
+
+    def grown(self) -> Outcome | None:
+        """Grow to the end, close, and return what ``outcome`` does. Collective."""
+        try:
+            *_, last = self.steps()
+            assert last.stop is not None
+            return self.outcome(last.stop)
+        finally:
+            self.close()
+
+    @property
+    def cycles(self) -> float:
+        """N so far [cycles]."""
+        return self._blocks.cycles
+
+    def growth_state(self) -> GrowthState | None:
+        """Return the state of the last solve on rank 0, None elsewhere. Collective."""
+        domain = self.domain
+        drive = self._blocks.drive()
+        local = (drive.damage, domain.failure_cycles, drive.normal, drive.shear)
+        damage, failure_cycles, normal, shear = (domain.gather(values) for values in local)
+        motion = domain.gather_unknowns(self._unknowns)
+        if domain.mesh is None or self._loose is None:
+            return None
+        assert damage is not None and failure_cycles is not None and motion is not None
+        assert normal is not None and shear is not None
+        return GrowthState(
+            domain.mesh,
+            self.cycles,
+            self._tracker.crack(),
+            motion,
+            damage,
+            normal,
+            shear,
+            failure_cycles,
+            self._loose.loose.copy(),
+            self.solves,
+        )
+
+    def outcome(self, stop: StopReason) -> Outcome | None:
+        """Return the result of the task on rank 0, None elsewhere. Collective."""
+        damage = self.domain.gather(self.domain.damage)
+        mesh = self.domain.mesh
+        if mesh is None or damage is None or self._loose is None:
+            return None
+        crack = self._tracker.crack()
+        extension = crack.length - self._start_length
+        history = np.array(self._history)
+        if history[-1, 0] < self.cycles:
+            history = np.vstack([history, [self.cycles, *history[-1, 1:]]])
+        grown = np.concatenate([[True], np.diff(history[:, 1]) > 0.0])
+        long_enough = extension >= self.scene.microstructure.colony
+        broken = (damage >= 1.0) & (mesh.kind != Kind.NOTCH)
+        # A crack that stands still has no rate: the slope until then says nothing of its life.
+        rate = math.nan if stop is StopReason.ARRESTED else slope(*history[grown, :2].T)
+        counters = self._all_counters()
+        counters["loose_elements"] = int(self._loose.loose.sum())
+        return Outcome(
+            state=self.state.name,
+            mesh_index=mesh.index,
+            delta_k=self.delta_k,
+            stop_reason=stop,
+            cycles=self.cycles,
+            extension=extension,
+            da_dn=rate,
+            tortuosity=crack.path_length / extension if long_enough else None,
+            solves=self.solves,
+            refinements=self.refinements,
+            counters={name: float(count) for name, count in counters.items()},
+            wall_s=self._wall_before + perf_counter() - self._started,
+            elements=mesh.element_count,
+            history=history,
+            path=crack.path,
+            broken_pairs=interface_pairs(mesh, broken),
+        )
+
+    def checkpoint(self) -> Checkpoint | None:
+        """Return all that continuing needs, on rank 0, None elsewhere. Collective.
+
+        To be called between steps.
+        """
+        domain = self.domain
+        solver = domain.equilibrium.memory()
+        by_interface = self._blocks.by_interface() | {
+            "damage": domain.damage,
+            "failure_cycles": domain.failure_cycles,
+            "set_up_damage": solver["set_up_damage"],
+        }
+        arrays: dict[str, NDArray[Any]] = dict(domain.gather_all(by_interface))
+        solutions = self.comm.gather(solver["solution"])
+        if solutions is None:
+            return None
+        follower = self._follower
+        arrays |= {
+            "solution": np.concatenate(solutions),
+            "reuse": solver["reuse"],
+            "history": np.array(self._history, dtype=float),
+            "zone_boxes": follower.zone.boxes,
+            "zone_discs": follower.zone.discs,
+            "kept": np.empty(0, np.int64) if follower.kept is None else follower.kept,
+        }
+        numbers = self._blocks.numbers() | {
+            "solves": self.solves,
+            "refinements": self.refinements,
+            "start_length": self._start_length,
+            "wall_s": self._wall_before + perf_counter() - self._started,
+        }
+        counters = {name: int(count) for name, count in self._all_counters().items()}
+        return Checkpoint(numbers, counters, arrays)
+
+    def _restore(self, checkpoint: Checkpoint | None) -> None:
+        numbers, counters, small = self.comm.bcast(
+            None if checkpoint is None else checkpoint.without_large()
+        )
+        self._wall_before, self._start_length = numbers["wall_s"], numbers["start_length"]
+        self.solves, self.refinements = int(numbers["solves"]), int(numbers["refinements"])
+        self._history = [(n, a, p, int(b)) for n, a, p, b in small["history"].tolist()]
+        self._follower.zone = FineZone(small["zone_boxes"], small["zone_discs"])
+        arrays = {} if checkpoint is None else checkpoint.arrays
+        mesh, ratio = _first_mesh(self._prepared)
+        if self.refinements:
+            mesh = on_first(self.comm, lambda: self._refined_mesh(arrays["kept"]))
+        damage, failure_cycles = arrays.get("damage"), arrays.get("failure_cycles")
+        domain = Domain(self.comm, self.scene, mesh, ratio, damage, failure_cycles)
+        self._enter(domain, numbers["cycles"])
+        names = self.comm.bcast([name for name in arrays if name.startswith(("memory_", "last_"))])
+        shares = {name: domain.scatter(arrays.get(name)) for name in names}
+        self._blocks.resume(numbers, shares)
+        solver = {
+            "set_up_damage": domain.scatter(arrays.get("set_up_damage")),
+            "solution": self.comm.bcast(arrays.get("solution"))[domain.own],
+            "reuse": small["reuse"],
+        }
+        domain.equilibrium.recall(solver)
+        domain.equilibrium.counters.clear()
+        self._counters = Counter(counters)
+
+    def _enter(self, domain: Domain, cycles: float) -> None:
+        """Take up a domain: blocks, crack and clusters on its mesh. Collective."""
+        self.domain = domain
+        self._blocks = Blocks(self.scene, self.state, domain, cycles)
+        self._loaded_tip: tuple[float, float] | None = None
+        damage = domain.gather(domain.damage)
+        notch_tip = None if domain.mesh is None else _notch_tip(domain.mesh)
+        self._tracker = CrackTracker(*self.comm.bcast(notch_tip))
+        kind = domain.part.kind
+        broken = domain.damage >= 1.0
+        for notch in (True, False):
+            chosen = np.flatnonzero(broken & ((kind == Kind.NOTCH) == notch))
+            _, pairs, junctions, ends = domain.share_edges(chosen)
+            self._tracker.add(pairs, junctions, ends, notch=notch)
+        if damage is not None:
+            self._broken = damage >= 1.0
+        self._loose = on_first(self.comm, lambda: LooseClusters(_known(domain.mesh), self._broken))
+
+    def _solve(self, damage: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the effective stresses at a damage [MPa]; (k,) each. Collective."""
+        tip = softening_tip(self.domain, self._tracker, self._blocks.released(damage))
+        if tip != self._loaded_tip:
+            self._load = self.domain.load(self.delta_k, tip)
+            self._loaded_tip = tip
+        with self._errors_say_where():
+            self.domain.equilibrium.update(damage)
+            self._unknowns = self.domain.equilibrium.solve(self._load)
+        self.solves += 1
+        return self.domain.stresses(self._unknowns)
+
+    def _see(self) -> bool:
+        """Solve, look back at the last block, and return whether that broke more. Collective."""
+        more = self._blocks.see(*self._solve(self.domain.damage))
+        before, after = self._blocks.revised
+        if self._history[-1][0] == before:
+            self._history[-1] = (after, *self._history[-1][1:])
+        return more
+
+    def _take_breaks(self) -> StopReason | None:
+        """Take newly broken interfaces into the crack and say whether it has ended. Collective."""
+        numbers, pairs, junctions, ends = self.domain.share_edges(self._blocks.fresh)
+        reached = self._tracker.add(pairs, junctions, ends)
+        if len(numbers):
+            self._blocks.forget_near(ends.mean(axis=1), self._reach)
+            crack_length = self._tracker.tip[0]
+            row = (self.cycles, crack_length, self._tracker.path_length, self._tracker.broken)
+            self._history.append(row)
+        stop = self._reason_to_stop(reached)
+        # A crack that has ended may have cut the window in two: its end, not an error.
+        if len(numbers) and stop is None:
+            with self._errors_say_where():
+                on_first(self.comm, lambda: self._find_loose(numbers))
+        return stop
+
+    @contextmanager
+    def _errors_say_where(self) -> Iterator[None]:
+        try:
+            yield
+        except SolverError as error:
+            where = f"at N = {self.cycles:.6g} cycles, a = {self._tracker.tip[0]:.2f} um"
+            raise SolverError(f"{where}: {error}") from error
+
+    def _find_loose(self, fresh: IntArray) -> None:
+        """Look for clusters that breaks have cut off; first rank only."""
+        if self._loose is not None:
+            self._broken[fresh] = True
+            self._loose.update(fresh, self._broken)
+
+    def _reason_to_stop(self, reached: Sequence[tuple[float, float]]) -> StopReason | None:
+        extension = self._tracker.tip[0] - self._start_length
+        if extension >= self.scene.loading.extension:
+            return StopReason.GROWN
+        if self._follower.touches_boundary(reached):
+            return StopReason.BOUNDARY
+        if self._follower.has_left(reached):
+            return StopReason.LEFT_REFINED_ZONE
+        if self.solves >= self.scene.solver.max_solves:
+            return StopReason.MAX_SOLVES
+        return None
+
+    def _all_counters(self) -> Counter[str]:
+        return self._counters + self._blocks.counters + self.domain.equilibrium.counters
+
+    @property
+    def _reach(self) -> float:
+        """How far a break changes the stresses much [um]."""
+        return 2.0 * max(self.scene.elements.width, self.scene.elements.length)
+
+    def _front(self) -> FloatArray:
+        """Return what must lie well inside the fine zone on this rank [um]; (p, 2)."""
+        domain = self.domain
+        chosen = (domain.damage > ACTIVE_DAMAGE) & (domain.damage < 1.0)
+        return np.vstack([domain.part.midpoint[chosen], self._tracker.tip])
+
+    def _replace_mesh(self) -> None:
+        """Go on with a mesh whose fine zone covers the front again. Collective."""
+        old, blocks = self.domain, self._blocks
+        # Sorted, so that the fine zone does not depend on which rank found which point.
+        front = np.unique(np.concatenate(self.comm.allgather(self._front())), axis=0)
+        local = {"damage": old.damage, "failure_cycles": old.failure_cycles}
+        last = {n: values for n, values in blocks.by_interface().items() if n.startswith("last_")}
+        gathered = old.gather_all(local | last)
+        self._follower.move(front)
+        mesh = on_first(self.comm, lambda: self._next_mesh(gathered["damage"]))
+        ratio = None if self._prepared is None else self._prepared.ratio
+        carried: dict[str, FloatArray] = {}
+        if old.mesh is not None and mesh is not None:
+            notch = (mesh.kind == Kind.NOTCH).astype(float)
+            unknown = {"failure_cycles": np.where(notch, 0.0, np.nan)}
+            unknown |= dict.fromkeys(("damage", "last_damage"), notch)
+            for name, values in gathered.items():
+                default = unknown.get(name, np.zeros(len(notch)))
+                carried[name] = carry_over(old.mesh, mesh, values, default)
+        self._counters = self._all_counters()
+        old.close()
+        damage, failure_cycles = carried.get("damage"), carried.get("failure_cycles")
+        domain = Domain(self.comm, self.scene, mesh, ratio, damage, failure_cycles)
+        self._enter(domain, blocks.cycles)
+        self._blocks.resume(
+            blocks.numbers(), {name: self.domain.scatter(carried.get(name)) for name in last}
+        )
+        self.refinements += 1
+
+    def _refined_mesh(self, kept: IntArray) -> Mesh:
+        """Return the mesh of the restored zone; first rank only."""
+        assert self._prepared is not None
+        self._follower.kept = kept
+        return tessellate(self._prepared.substrate, self._follower.zone, kept)
+
+    def _next_mesh(self, damage: FloatArray) -> Mesh:
+        """Return the mesh of the moved zone; first rank only."""
+        assert self._prepared is not None and self.domain.mesh is not None
+        return self._follower.mesh(self._prepared.substrate, self.domain.mesh, damage)
+
+
+def _known(mesh: Mesh | None) -> Mesh:
+    """Return the mesh, which the first rank has."""
+    assert mesh is not None
+    return mesh
+
+
+def _first_mesh(prepared: Prepared | None) -> tuple[Mesh | None, float | None]:
+    return (None, None) if prepared is None else (prepared.mesh, prepared.ratio)
+
+
+def _notch_tip(mesh: Mesh) -> tuple[tuple[float, float], int]:
+    """Return the tip of the notch and its junction."""
+    gap = np.hypot(*(mesh.vertices - mesh.notch).T)
+    return mesh.notch, int(mesh.junction[int(np.argmin(gap))])
