@@ -1,0 +1,1 @@
+"""Tables, HDF5, XDMF, figures, report (no MPI, no PETSc)."""

@@ -1,0 +1,1 @@
+"""Figures: plain data and a path in, PNG and SVG out."""

@@ -1,0 +1,127 @@
+"""Crack length over cycles, and tortuosity (figure 14 of the source)."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullLocator
+
+from pearlite_petsc.fatigue.outcome import Outcome
+from pearlite_petsc.output.figures.style import (
+    WIDTH,
+    drawing,
+    grid_shape,
+    label_outer,
+    legend_below,
+    state_label,
+    state_styles,
+)
+from pearlite_petsc.output.statistics import counts
+from pearlite_petsc.output.tables import MPA_SQRT_UM, delta_k_in_mpa_sqrt_m
+
+
+def draw_growth(path: Path, outcomes: Sequence[Outcome], states: Sequence[str]) -> None:
+    """Draw a over N, one panel a state, one colour a delta_k, one line a mesh.
+
+    Args:
+        path: Without suffix.
+        outcomes: Tasks with histories.
+        states: Names in order.
+    """
+    states = [name for name in states if any(o.state == name for o in outcomes)]
+    levels = sorted({o.delta_k for o in outcomes})
+    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, max(len(levels), 1)))
+    rows, columns = grid_shape(len(states))
+    with drawing(path, WIDTH, 2.2 * rows + 0.4) as figure:
+        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        for axes in grid.flat[len(states) :]:
+            axes.axis("off")
+        for axes, state in zip(grid.flat, states, strict=False):
+            for outcome in outcomes:
+                if outcome.state != state or outcome.history is None:
+                    continue
+                cycles, length = outcome.history[:, 0], outcome.history[:, 1]
+                grown = cycles > 0.0
+                axes.plot(
+                    cycles[grown],
+                    length[grown],
+                    color=colours[levels.index(outcome.delta_k)],
+                    linewidth=0.9,
+                    drawstyle="steps-post",
+                )
+            axes.set(xscale="log", title=state_label(state))
+            axes.xaxis.set_minor_locator(NullLocator())
+            axes.grid(True)
+        handles = [
+            Line2D(
+                [], [], color=colours[place], label=f"ΔK = {delta_k_in_mpa_sqrt_m(level):g} MPa√m"
+            )
+            for place, level in enumerate(levels)
+        ]
+        label_outer(grid, len(states), "cycles N", "crack length a [µm]")
+        legend_below(figure, handles, min(max(len(handles), 1), 6))
+
+
+def draw_tortuosity(path: Path, outcomes: Sequence[Outcome], states: Sequence[str]) -> None:
+    """Draw the tortuosity of each state: every crack, mean and standard deviation over meshes.
+
+    A mesh counts once, with the mean over the delta_k at which its crack grew to the wanted
+    extension; the others are hollow.
+
+    Args:
+        path: Without suffix.
+        outcomes: Tasks; those without a tortuosity are left out.
+        states: Names in order.
+    """
+    styles = state_styles(states)
+    levels = sorted({o.delta_k for o in outcomes})
+    with drawing(path, 5.6, 3.4) as figure:
+        axes = figure.subplots()
+        for place, state in enumerate(states):
+            style = styles[state]
+            own = [
+                (o.mesh_index, levels.index(o.delta_k), o.tortuosity, counts(o))
+                for o in outcomes
+                if o.state == state and o.tortuosity is not None
+            ]
+            for grown in (True, False):
+                shown = [(level, value) for _, level, value, yes in own if yes is grown]
+                axes.plot(
+                    [place + 0.3 * (level + 0.5) / len(levels) for level, _ in shown],
+                    [value for _, value in shown],
+                    "o",
+                    color=style.colour,
+                    markerfacecolor=style.colour if grown else "none",
+                    alpha=0.5 if grown else 0.9,
+                    markersize=2.5,
+                    markeredgewidth=0.6,
+                )
+            values = [
+                np.mean([value for mesh, _, value, yes in own if yes and mesh == index])
+                for index in sorted({mesh for mesh, _, _, yes in own if yes})
+            ]
+            if values:
+                spread = np.std(values, ddof=1) if len(values) > 1 else 0.0
+                axes.errorbar(
+                    place - 0.12,
+                    np.mean(values),
+                    yerr=spread,
+                    fmt=style.marker,
+                    color=style.colour,
+                    capsize=3.0,
+                )
+        axes.axhline(1.0, color="#8c8c8c", linewidth=0.8)
+        axes.set_xticks(range(len(states)), [styles[state].label for state in states])
+        axes.set_xlim(-0.5, len(states) - 0.4)
+        axes.set_ylabel("tortuosity: path length / extent in x")
+        axes.grid(True, axis="y")
+        if levels:
+            low, high = levels[0] / MPA_SQRT_UM, levels[-1] / MPA_SQRT_UM
+            axes.set_title(
+                f"mark: mean ± standard deviation over meshes; small: cracks, hollow those that ended "
+                f"early;\nΔK {low:g} to {high:g} MPa√m from left to right in each state",
+                fontsize=7.5,
+                loc="left",
+            )

@@ -1,0 +1,28 @@
+"""The model without a microstructure: only yield stress and threshold differ between states."""
+
+import numpy as np
+
+from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.scene import State
+
+
+def null_rate(delta_k: FloatArray, state: State) -> FloatArray:
+    """Return (Delta-K - Delta-K_th)^3/sigma_yield, 0 below the threshold.
+
+    That is what the damage law, Eq. (28)-(31), gives for one straight crack in a homogeneous body,
+    up to a factor that all states share.
+
+    Args:
+        delta_k: [MPa sqrt(um)]; shape (n,).
+        state: Threshold and yield stress.
+    """
+    return np.asarray(np.maximum(delta_k - state.delta_k_th, 0.0) ** 3 / state.yield_stress)
+
+
+def null_ratio(delta_k: FloatArray, state: State, other: State) -> FloatArray:
+    """Return how many times faster one state grows than another with no microstructure; (n,).
+
+    NaN where the other one does not grow either way.
+    """
+    below = null_rate(delta_k, other)
+    return np.asarray(null_rate(delta_k, state) / np.where(below > 0.0, below, np.nan))

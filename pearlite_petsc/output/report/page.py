@@ -1,0 +1,279 @@
+"""``report.html``: one self-contained page about a result."""
+
+import json
+from collections.abc import Mapping
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from pearlite_petsc.config import method_warnings
+from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.output.draw import Result
+from pearlite_petsc.output.figures.style import state_label
+from pearlite_petsc.output.report.conclusions import conclusions
+from pearlite_petsc.output.report.elements import (
+    STYLE,
+    bullets,
+    folded,
+    listing,
+    paragraph,
+    picture,
+    table,
+)
+from pearlite_petsc.output.report.validity import task_warnings, validity_warnings, zone_rows
+from pearlite_petsc.output.statistics import rate_curves
+from pearlite_petsc.output.tables import UM_PER_M, delta_k_in_mpa_sqrt_m, in_order
+from pearlite_petsc.output.whole_file import whole_file
+
+
+def write_report(
+    path: Path, result: Result, scene_text: str, provenance: Mapping[str, Any]
+) -> None:
+    """Write the page with the figures found in ``<result>/figures`` inlined.
+
+    Args:
+        path: ``report.html``.
+        result: Scene and outcomes.
+        scene_text: The resolved scene (TOML).
+        provenance: What ran, where and when.
+    """
+    sections = [
+        ("Growth rates", _rates(result)),
+        ("What the source concludes", _conclusions(result)),
+        ("Warnings", _warnings(result)),
+        ("Crack paths", _paths(result)),
+        ("Growth of the cracks", _growth(result)),
+        ("Microstructure and mesh", _microstructure(result)),
+        ("All tasks", _tasks(result)),
+        ("How this was made", _reproduce(result, scene_text, provenance)),
+    ]
+    links = "".join(f'<a href="#s{i}">{escape(t)}</a>' for i, (t, _) in enumerate(sections))
+    body = "".join(
+        f'<section id="s{i}"><h2>{escape(title)}</h2>{content}</section>'
+        for i, (title, content) in enumerate(sections)
+    )
+    name = escape(result.scene.name)
+    page = (
+        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{name}: fatigue crack growth in pearlite</title><style>{STYLE}</style></head>"
+        f"<body><h1>Fatigue crack growth in pearlite: {name}</h1>{_summary(result, provenance)}"
+        f"<nav>{links}</nav>{body}</body></html>\n"
+    )
+    with whole_file(path) as partial:
+        partial.write_text(page, encoding="utf-8")
+
+
+def _summary(result: Result, provenance: Mapping[str, Any]) -> str:
+    scene, outcomes = result.scene, result.outcomes
+    grown = sum(o.stop_reason is StopReason.GROWN for o in outcomes)
+    levels = ", ".join(f"{delta_k_in_mpa_sqrt_m(value):g}" for value in scene.loading.delta_k)
+    window, elements, loading = scene.window, scene.elements, scene.loading
+    text = (
+        f"{len(outcomes)} cracks ({len(scene.states)} states × {scene.ensemble.meshes} meshes × "
+        f"{len(scene.loading.delta_k)} ΔK in the scene), {grown} of them grown by the "
+        f"wanted {loading.extension:g} µm. ΔK = {levels} MPa√m; window {window.width:g} × "
+        f"{window.height:g} µm, notch {window.notch:g} µm, elements {elements.width:g} × "
+        f"{elements.length:g} µm; {scene.material.springs} springs, {scene.damage.law} damage law, "
+        f"{loading.kind} load."
+    )
+    return paragraph(text, "lead") + paragraph(_when(provenance))
+
+
+def _when(provenance: Mapping[str, Any]) -> str:
+    if "ended" not in provenance:
+        return ""
+    ended = str(provenance["ended"]).replace("T", " ")
+    ranks = provenance.get("ranks", "?")
+    return f"Ended {ended}; {provenance.get('wall_s', 0):.0f} s on {ranks} rank(s)."
+
+
+def _figure(result: Result, name: str, caption: str) -> str:
+    return picture(result.folder / "figures" / f"{name}.png", caption)
+
+
+def _rates(result: Result) -> str:
+    curves = rate_curves(result.outcomes, [state.name for state in result.scene.states])
+    rows = [
+        [
+            state_label(curve.state),
+            f"{delta_k_in_mpa_sqrt_m(level):g}",
+            f"{mean / UM_PER_M:.2e}" if mean == mean else "–",
+            f"{factor:.2f}" if factor == factor else "–",
+            f"{grown} of {tasks}",
+        ]
+        for curve in curves
+        for level, mean, factor, grown, tasks in zip(
+            curve.delta_k, curve.mean, curve.factor, curve.grown, curve.tasks, strict=True
+        )
+    ]
+    head = ["State", "ΔK [MPa√m]", "da/dN [m/cycle]", "Scatter ×/÷", "Grown"]
+    note = (
+        "da/dN is the slope of crack length over cycles; the mean is geometric over the meshes "
+        "whose crack grew to the wanted extension, the scatter their geometric standard deviation. "
+        "Where only a part of the meshes grew, the mean is that of the fast ones: a half-filled "
+        "mark, compared with nothing. A crack that arrested has no growth rate (arrow at the foot); "
+        "the rate of one that ended otherwise is a hollow mark and in no mean."
+    )
+    caption = (
+        "Growth rate over ΔK. Marks: geometric mean with geometric standard deviation over meshes; "
+        "half-filled: not all meshes grew; small: single cracks; hollow: ended before the full "
+        "extension; arrow at the foot: arrested, no rate; dotted: thresholds; grey: literature."
+    )
+    null = (
+        "Rates relative to the first state, with 95 % intervals, at the ΔK at which every mesh of "
+        "both grew; hollow: an upper bound, because some cracks ran into the window's edge. Lines: "
+        "no microstructure, only yield stress and threshold, da/dN ∝ (ΔK − ΔK_th)³/σ_yield. What "
+        "lies between mark and line is the microstructure's part."
+    )
+    return (
+        _figure(result, "fcg", caption)
+        + paragraph(note)
+        + table(head, rows)
+        + _figure(result, "null_model", null)
+    )
+
+
+def _conclusions(result: Result) -> str:
+    rows = [
+        [c.statement, c.verdict.value, c.numbers]
+        for c in conclusions(result.scene, result.outcomes)
+    ]
+    intro = (
+        "Means over the ΔK at which every mesh of both states grew to the wanted extension, with "
+        "95 % intervals over meshes; how many ΔK that is stands beside the number. Across the "
+        "lamellae (T-A), cracks that ran into the window's edge count with the rate until then, "
+        "which bounds theirs from above. Near the threshold much of a difference is put in by hand "
+        "with the threshold; the null model says how much."
+    )
+    return paragraph(intro) + table(["Statement", "Verdict", "Numbers"], rows, numbers_from=3)
+
+
+def _warnings(result: Result) -> str:
+    tasks = task_warnings(result.outcomes)
+    texts = [*method_warnings(result.scene), *validity_warnings(result.scene)]
+    content = bullets(texts, "warning") if texts else ""
+    for reason, names in tasks.items():
+        content += f"<h3>{escape(f'{len(names)} × {reason}')}</h3>"
+        content += bullets(names) if len(names) <= 6 else folded("which", bullets(names))
+    if not texts and not tasks:
+        content = paragraph("None: every crack grew as wanted, within the model's limits.", "good")
+    stress = (
+        "Remote stress [MPa]" if result.scene.loading.kind == "edge_crack" else "Edge stress [MPa]"
+    )
+    head = ["State", "ΔK [MPa√m]", "Plastic zone [µm]", "in colonies", stress, "over yield"]
+    rows = [
+        [
+            state_label(row.state),
+            f"{row.delta_k:g}",
+            f"{row.plastic_zone:.1f}",
+            f"{row.colonies:.1f}",
+            f"{row.stress:.0f}",
+            f"{row.stress_share:.2f}",
+        ]
+        for row in zone_rows(result.scene)
+    ]
+    return content + folded("Plastic zone and nominal stress of every state", table(head, rows))
+
+
+def _paths(result: Result) -> str:
+    parts = [_figure(result, "paths", "Crack paths of all meshes at one ΔK.")]
+    for state in result.scene.states:
+        caption = (
+            f"{state_label(state.name)}, γ = {state.shear_strain:g}: crack paths in the "
+            "microstructure of one mesh, and the damage round one of the cracks."
+        )
+        parts.append(_figure(result, f"path_{state.name}", caption))
+    caption = (
+        "Tortuosity: path length over extent in x. Filled: cracks that grew to the wanted "
+        "extension, over which the mean is taken; hollow: cracks that ended earlier."
+    )
+    return "".join(parts) + _figure(result, "tortuosity", caption)
+
+
+def _growth(result: Result) -> str:
+    return _figure(result, "growth", "Crack length over cycles, one line a mesh.")
+
+
+def _microstructure(result: Result) -> str:
+    return (
+        _figure(result, "microstructure", "The three levels of mesh 0 of each state.")
+        + _figure(result, "lamella_angles", "Lamella angles of all meshes and the closed form.")
+        + _figure(result, "lamella_roses", "The same as roses; the crack runs to the right.")
+        + _figure(result, "mesh", "Interfaces by kind, at the end of one crack of each state.")
+    )
+
+
+def _tasks(result: Result) -> str:
+    names = [state.name for state in result.scene.states]
+    head = ["State", "Mesh", "ΔK", "da/dN [m/cycle]", "Cycles", "Extension [µm]", "Tortuosity"]
+    head += ["End", "Solves", "Elements", "Time [s]"]
+    rows = [_task_row(o) for o in in_order(result.outcomes, names)]
+    total = sum(o.wall_s for o in result.outcomes)
+    text = f"{len(rows)} cracks, {sum(o.solves for o in result.outcomes)} solves, {total:.1f} s."
+    return paragraph(text) + folded("Table of all tasks", table(head, rows))
+
+
+def _task_row(o: Outcome) -> list[str]:
+    return [
+        state_label(o.state),
+        str(o.mesh_index),
+        f"{delta_k_in_mpa_sqrt_m(o.delta_k):g}",
+        f"{o.da_dn / UM_PER_M:.3e}" if o.da_dn == o.da_dn else "–",
+        f"{o.cycles:.4g}",
+        f"{o.extension:.1f}",
+        "–" if o.tortuosity is None else f"{o.tortuosity:.2f}",
+        o.stop_reason.value.replace("_", " "),
+        str(o.solves),
+        str(o.elements),
+        f"{o.wall_s:.2f}",
+    ]
+
+
+_FACTS = {
+    "program": "Program",
+    "source": "Source",
+    "command": "Command",
+    "host": "Host",
+    "processor": "Processor",
+    "system": "System",
+    "ranks": "Ranks",
+    "seeds": "Seeds",
+    "python": "Python",
+    "libraries": "Libraries",
+    "scene_hash": "Hash of the scene",
+}
+
+
+def _fact(value: Any) -> str:
+    if isinstance(value, Mapping):
+        # How PETSc was configured fills a screen; it is in the whole list.
+        named = {
+            name: part
+            for name, part in value.items()
+            if not name.startswith("petsc_") and part is not None
+        }
+        return ", ".join(f"{name} {part}" for name, part in named.items())
+    return " ".join(map(str, value)) if isinstance(value, list) else str(value)
+
+
+def _reproduce(result: Result, scene_text: str, provenance: Mapping[str, Any]) -> str:
+    rows = [[title, _fact(provenance[key])] for key, title in _FACTS.items() if key in provenance]
+    commands = (
+        "# the same run: scene.resolved.toml lies beside this page\n"
+        "./pearlite.sh run scene.resolved.toml --output runs/again\n"
+        "# this page and its figures from the results alone\n"
+        "./pearlite.sh exec python -m pearlite_petsc.report runs/again\n"
+    )
+    source = (
+        "Method: Davoodi Jooneghani, Six, Sharifi, Poletti, Trummer, Fatigue Crack Growth "
+        "Simulation of R260 Rail Grade Pearlitic Steel Using the Discrete Element Method, 2025, "
+        "doi 10.20944/preprints202503.0141.v1 (CC BY 4.0)."
+    )
+    return (
+        listing(commands)
+        + table(["Provenance", ""], rows, numbers_from=2)
+        + folded("All of the provenance", listing(json.dumps(provenance, indent=2, default=str)))
+        + folded("Resolved scene", listing(scene_text))
+        + paragraph(source)
+    )

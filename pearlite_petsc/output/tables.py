@@ -1,0 +1,158 @@
+"""CSV tables: one row a task (``fcg.csv``), one file a crack (``growth/*.csv``).
+
+Inside: um, MPa sqrt(um). In the tables: da/dN in m/cycle, Delta-K in MPa sqrt(m), lengths in um.
+"""
+
+import csv
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.errors import SceneError
+from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.output.whole_file import whole_file
+from pearlite_petsc.scene import Scene
+
+MPA_SQRT_UM = 1000.0
+"""1 MPa sqrt(m) in MPa sqrt(um)."""
+
+UM_PER_M = 1e6
+
+FCG_COLUMNS = (
+    "state",
+    "mesh",
+    "delta_k_mpa_sqrt_m",
+    "da_dn_m_per_cycle",
+    "cycles",
+    "extension_um",
+    "tortuosity",
+    "stop_reason",
+    "solves",
+    "wall_s",
+)
+GROWTH_COLUMNS = ("cycles", "crack_length_um", "path_length_um", "broken_interfaces")
+
+
+def delta_k_in_mpa_sqrt_m(delta_k: float) -> float:
+    """Return MPa sqrt(m) from MPa sqrt(um), without the last digits' noise of the conversion."""
+    return float(f"{delta_k / MPA_SQRT_UM:.14g}")
+
+
+def task_name(state: str, mesh_index: int, delta_k: float) -> str:
+    """Return the stem of a task's files, ``<state>_m<index>_dk<value in MPa sqrt(m)>``.
+
+    Args:
+        state: Name of the state.
+        mesh_index: Number of the mesh.
+        delta_k: [MPa sqrt(um)].
+    """
+    return f"{state}_m{mesh_index}_dk{delta_k_in_mpa_sqrt_m(delta_k):.12g}"
+
+
+def middle_delta_k(scene: Scene) -> float:
+    """Return the delta_k whose cracks are shown where one has to do [MPa sqrt(um)]."""
+    levels = sorted(scene.loading.delta_k)
+    return levels[len(levels) // 2]
+
+
+def in_order(outcomes: Iterable[Outcome], states: Sequence[str]) -> list[Outcome]:
+    """Return the outcomes by state (as listed, unknown ones last), mesh, delta_k."""
+    rank = {name: place for place, name in enumerate(states)}
+    return sorted(
+        outcomes, key=lambda o: (rank.get(o.state, len(rank)), o.state, o.mesh_index, o.delta_k)
+    )
+
+
+def write_fcg(path: Path, outcomes: Iterable[Outcome], states: Sequence[str]) -> None:
+    """Write one row a task, failed ones included; numbers in full precision.
+
+    da/dN is ``nan`` where nothing grew or the crack arrested; the tortuosity is empty where it is not defined.
+
+    Args:
+        path: ``fcg.csv``.
+        outcomes: Tasks in any order.
+        states: Names of the states in the order wanted.
+    """
+    with whole_file(path) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(FCG_COLUMNS)
+        for o in in_order(outcomes, states):
+            writer.writerow(
+                (
+                    o.state,
+                    o.mesh_index,
+                    repr(delta_k_in_mpa_sqrt_m(o.delta_k)),
+                    repr(float(o.da_dn) / UM_PER_M),
+                    repr(float(o.cycles)),
+                    repr(float(o.extension)),
+                    "" if o.tortuosity is None else repr(float(o.tortuosity)),
+                    o.stop_reason.value,
+                    o.solves,
+                    repr(float(o.wall_s)),
+                )
+            )
+
+
+def read_fcg(path: Path) -> list[Outcome]:
+    """Return the tasks of an ``fcg.csv``, without histories and paths.
+
+    Raises:
+        SceneError: The file is missing, or a column or value is not what ``write_fcg`` writes.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8") as stream:
+            rows = list(csv.DictReader(stream))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise SceneError(f"{path}: cannot be read ({error})") from None
+    outcomes = []
+    for number, row in enumerate(rows, start=2):
+        try:
+            outcomes.append(_outcome(row))
+        except (KeyError, TypeError, ValueError) as error:
+            raise SceneError(f"{path}: line {number} is not a row of fcg.csv ({error})") from None
+    return outcomes
+
+
+def _outcome(row: dict[str, str]) -> Outcome:
+    tortuosity = float(row["tortuosity"]) if row["tortuosity"] else math.nan
+    return Outcome(
+        state=row["state"],
+        mesh_index=int(row["mesh"]),
+        delta_k=float(row["delta_k_mpa_sqrt_m"]) * MPA_SQRT_UM,
+        stop_reason=StopReason(row["stop_reason"]),
+        cycles=float(row["cycles"]),
+        extension=float(row["extension_um"]),
+        da_dn=float(row["da_dn_m_per_cycle"]) * UM_PER_M,
+        tortuosity=None if math.isnan(tortuosity) else tortuosity,
+        solves=int(row["solves"]),
+        wall_s=float(row["wall_s"]),
+    )
+
+
+def write_growth(folder: Path, outcome: Outcome) -> Path | None:
+    """Write ``<folder>/<task>.csv``, the crack's history; None if the task has none.
+
+    Args:
+        folder: ``growth`` of the result.
+        outcome: Task with ``history``: cycles, crack length [um], path length [um], broken.
+    """
+    if outcome.history is None:
+        return None
+    name = task_name(outcome.state, outcome.mesh_index, outcome.delta_k)
+    path = folder / f"{name}.csv"
+    with whole_file(path) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(GROWTH_COLUMNS)
+        writer.writerows(
+            (repr(cycles), repr(length), repr(way), int(broken))
+            for cycles, length, way, broken in outcome.history.tolist()
+        )
+    return path
+
+
+def read_growth(path: Path) -> FloatArray:
+    """Return the history of a ``growth/*.csv``; columns as ``GROWTH_COLUMNS``, shape (h, 4)."""
+    return np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2, dtype=np.float64)

@@ -1,0 +1,141 @@
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from pearlite_petsc.errors import MeshError
+from pearlite_petsc.mesh import main
+from pearlite_petsc.output.mesh_file import read_mesh, read_recipe, write_mesh
+from pearlite_petsc.tessellation.build import build_mesh
+from pearlite_petsc.tessellation.mesh import Mesh
+from tests.scenes import STATES, default_scene
+
+SCENE_FILE = str(Path(__file__).parents[2] / "runs" / "quickstart.toml")
+
+
+def small() -> Mesh:
+    scene = default_scene(window={"width": 60.0, "height": 50.0, "notch": 20.0})
+    return build_mesh(scene, STATES["moderate_TA"], 3)
+
+
+def test_a_mesh_comes_back_bit_for_bit(tmp_path: Path) -> None:
+    mesh = small()
+    write_mesh(tmp_path / "new" / "mesh.h5", mesh, "a = 1\n")
+    back = read_mesh(tmp_path / "new" / "mesh.h5")
+    for name in Mesh.__slots__:
+        first, second = getattr(mesh, name), getattr(back, name)
+        if isinstance(first, np.ndarray):
+            assert np.array_equal(first, second)
+            assert first.dtype == second.dtype
+        else:
+            assert first == second
+    assert read_recipe(tmp_path / "new" / "mesh.h5") == "a = 1\n"
+    assert not list(tmp_path.rglob("*.partial"))
+
+
+def test_the_file_has_the_documented_datasets_with_units(tmp_path: Path) -> None:
+    mesh = small()
+    write_mesh(tmp_path / "mesh.h5", mesh, "")
+    n, k, m = mesh.element_count, mesh.interface_count, len(mesh.vertices)
+    q = len(mesh.boundary_elements)
+    shapes = {
+        "vertices": (m, 2),
+        "elements/centre": (n, 2),
+        "elements/area": (n,),
+        "elements/offsets": (n + 1,),
+        "elements/vertex_indices": mesh.vertex_indices.shape,
+        "elements/colony": (n,),
+        "elements/block": (n,),
+        "elements/prior_austenite_grain": (n,),
+        "elements/lamella_angle": (n,),
+        "interfaces/elements": (k, 2),
+        "interfaces/vertices": (k, 2),
+        "interfaces/length": (k,),
+        "interfaces/midpoint": (k, 2),
+        "interfaces/normal": (k, 2),
+        "interfaces/kind": (k,),
+        "boundary/elements": (q,),
+        "boundary/vertices": (q, 2),
+    }
+    with h5py.File(tmp_path / "mesh.h5") as file:
+        for name, shape in shapes.items():
+            assert file[name].shape == shape
+        found: list[h5py.Dataset] = []
+        file.visititems(
+            lambda _, item: found.append(item) if isinstance(item, h5py.Dataset) else None
+        )
+        assert all(d.attrs["unit"] and d.attrs["description"] for d in found)
+        assert set(file.attrs) == {
+            "recipe",
+            "seed",
+            "state",
+            "index",
+            "window_um",
+            "notch_um",
+            "format_version",
+        }
+
+
+def test_missing_truncated_and_foreign_files_are_refused_with_their_name(tmp_path: Path) -> None:
+    with pytest.raises(MeshError, match=r"none\.h5"):
+        read_mesh(tmp_path / "none.h5")
+    whole = tmp_path / "mesh.h5"
+    write_mesh(whole, small(), "")
+    (tmp_path / "half.h5").write_bytes(whole.read_bytes()[:3000])
+    with pytest.raises(MeshError, match=r"half\.h5"):
+        read_mesh(tmp_path / "half.h5")
+    with h5py.File(whole, "r+") as file:
+        file.attrs["format_version"] = 99
+    with pytest.raises(MeshError, match="format 99 is not 1"):
+        read_mesh(whole)
+
+
+def run(tmp_path: Path, *extra: str, state: str = "severe_AT", index: str = "1") -> int:
+    output = str(tmp_path / "mesh.h5")
+    arguments = [SCENE_FILE, "--state", state, "--index", index, "--output", output]
+    return main([*arguments, *extra])
+
+
+def test_the_command_writes_the_mesh_that_the_scene_gives(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(tmp_path) == 0
+    mesh = read_mesh(tmp_path / "mesh.h5")
+    assert (mesh.state, mesh.index) == ("severe_AT", 1)
+    assert "severe_AT" in read_recipe(tmp_path / "mesh.h5")
+    text = capsys.readouterr().out
+    for words in ("prior austenite grain", "target", f"elements {mesh.element_count}", "notch tip"):
+        assert words in text
+    assert text.splitlines()[-1] == f"wrote {tmp_path / 'mesh.h5'}"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"state": "sever_AT"}, "did you mean severe_AT"),
+        ({"index": "-1"}, "-1 is negative"),
+    ],
+)
+def test_the_command_refuses_bad_input_with_one_message(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    changes: dict[str, str],
+    message: str,
+) -> None:
+    assert run(tmp_path, **changes) == 2
+    captured = capsys.readouterr()
+    assert message in captured.err
+    assert captured.err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_replaces_a_file_only_when_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "mesh.h5").write_text("mine")
+    assert run(tmp_path) == 2
+    assert "--overwrite" in capsys.readouterr().err
+    assert (tmp_path / "mesh.h5").read_text() == "mine"
+    assert run(tmp_path, "--overwrite") == 0
+    assert read_mesh(tmp_path / "mesh.h5").state == "severe_AT"
