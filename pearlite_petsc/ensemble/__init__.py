@@ -1,0 +1,1 @@
+"""Tasks over rank groups, queue, checkpoints."""

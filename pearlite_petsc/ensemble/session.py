@@ -1,0 +1,222 @@
+"""One run from the output folder to the report: what the command does once MPI is there."""
+
+import logging
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from resource import RUSAGE_SELF, getrusage
+from time import monotonic
+from typing import Any, TypeVar
+
+import numpy as np
+from mpi4py import MPI
+
+from pearlite_petsc.config import method_warnings
+from pearlite_petsc.ensemble.campaign import Campaign, Found, look_back
+from pearlite_petsc.ensemble.folder import OutputFolder
+from pearlite_petsc.ensemble.products import draw_and_report, write_products
+from pearlite_petsc.ensemble.progress import clock
+from pearlite_petsc.ensemble.say import say
+from pearlite_petsc.ensemble.status import Status
+from pearlite_petsc.ensemble.stop import NOT_WRITABLE, StopRequest, describe
+from pearlite_petsc.errors import SceneError
+from pearlite_petsc.output.provenance import provenance
+from pearlite_petsc.scene import Scene
+from pearlite_petsc.solver.start import petsc_facts
+
+_log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+DONE, BROKEN, SOME_FAILED, INTERRUPTED = 0, 1, 3, 130
+"""Exit status."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What the command line says beside the scene.
+
+    Attributes:
+        folder: Output folder.
+        resume, overwrite, retry_failed: What to do with what is there.
+        interval: Seconds between checkpoints of a crack.
+        wall_time: Seconds after which to stop, None for no limit.
+        command: Command line as given.
+    """
+
+    folder: Path
+    resume: bool
+    overwrite: bool
+    retry_failed: bool
+    interval: float
+    wall_time: float | None
+    command: tuple[str, ...]
+
+
+class Session:
+    """Runs a scene on all ranks. Collective.
+
+    Args:
+        world: All ranks.
+        scene: The scene.
+        settings: The command line.
+        started: When the program started, by ``time.monotonic``.
+        terminal: Whether standard output is a terminal.
+    """
+
+    def __init__(
+        self, world: MPI.Comm, scene: Scene, settings: Settings, started: float, terminal: bool
+    ) -> None:
+        self._world, self._scene, self._settings = world, scene, settings
+        self._started, self._terminal = started, terminal
+        self._first = world.rank == 0
+        self._began = datetime.now().astimezone()
+
+    def run(self) -> int:
+        """Return the exit status.
+
+        Raises:
+            SceneError: The output folder or what is in it cannot be used; on all ranks.
+        """
+        scene, settings, world = self._scene, self._settings, self._world
+        if scene.ensemble.ranks_per_task > world.size:
+            raise SceneError(
+                f"[ensemble] ranks_per_task = {scene.ensemble.ranks_per_task} is more than the "
+                f"{world.size} rank(s) of this run"
+            )
+        with ExitStack() as stack:
+            output = self._on_first(
+                lambda: OutputFolder(settings.folder, scene, settings.resume, settings.overwrite)
+            )
+            if output is not None:
+                stack.callback(output.close)
+            stack.enter_context(logging_to(settings.folder, world.rank))
+            found = self._on_first(lambda: look_back(settings.folder, scene, settings.retry_failed))
+            if found is not None and output is not None:
+                self._announce(found, output.resumed)
+            request = stack.enter_context(StopRequest(settings.wall_time, self._started))
+            campaign = Campaign(
+                world, scene, settings.folder, found, settings.interval, request, self._terminal
+            )
+            stack.callback(campaign.close)
+            return self._finish(campaign, campaign.run(), request)
+
+    def _finish(
+        self, campaign: Campaign, counts: tuple[int, int, int], request: StopRequest
+    ) -> int:
+        """Write what there is and return the exit status."""
+        done, failed, missing = counts
+        stop = campaign.stop_code()
+        folder = self._settings.folder
+        memory = self._world.allreduce(getrusage(RUSAGE_SELF).ru_maxrss / 1024.0, MPI.MAX)
+        facts = self._provenance() if self._first else {}
+        facts |= {
+            "growth_s": round(campaign.seconds, 3),
+            "busy_share": round(campaign.busy_share, 4),
+            "largest_memory_of_a_rank_mb": round(memory, 1),
+        }
+        written = True
+        if self._first:
+            try:
+                write_products(folder, self._scene, facts)
+            except (OSError, RuntimeError) as error:
+                _log.error("the results cannot be written: %s", error)
+                say(sys.stderr, f"{folder}: the results cannot be written: {error}\n")
+                written = False
+        written = self._world.bcast(written)
+        drawn, shown = True, folder
+        if written and not stop and self._scene.output.figures:
+            drawn = draw_and_report(self._world, folder, self._scene, facts, request.code)
+            stop = self._world.allreduce(request.code(), MPI.MAX)
+            shown = folder / "report.html"
+        summary = f"{done} done, {failed} failed, {missing} missing"
+        if stop:
+            summary = f"stopped ({describe(stop)}): {summary}; --resume goes on"
+        self._say(f"{summary}; {clock(monotonic() - self._started)}; {shown}")
+        if not written or not drawn or stop == NOT_WRITABLE:
+            return BROKEN
+        if stop:
+            return INTERRUPTED
+        return SOME_FAILED if failed else DONE
+
+    def _announce(self, found: Found, resumed: bool) -> None:
+        status = np.array(found.status)
+        done, failed = int((status == Status.DONE).sum()), int((status == Status.FAILED).sum())
+        missing = len(status) - done - failed
+        if resumed:
+            self._say(
+                f"going on: {done} of {len(status)} tasks done, {failed} failed, {missing} missing, "
+                f"of which {found.growing} with a checkpoint"
+            )
+        else:
+            each = self._scene.ensemble.ranks_per_task
+            left_over = self._world.size % each
+            ranks = f"{self._world.size} rank(s), {each} a task"
+            ranks += f" ({left_over} left over)" if left_over else ""
+            self._say(f"{self._scene.name}: {len(status)} tasks on {ranks}")
+        for text in method_warnings(self._scene):
+            self._say(f"note: {text}")
+
+    def _provenance(self) -> dict[str, Any]:
+        facts = petsc_facts()
+        mpi = MPI.Get_library_version().split("\n")[0].rstrip("\0")
+        return provenance(
+            self._settings.command,
+            self._began,
+            datetime.now().astimezone(),
+            {"microstructure": self._scene.microstructure.seed},
+            {**facts, "mpi": mpi},
+            self._world.size,
+        )
+
+    def _say(self, text: str) -> None:
+        if self._first:
+            say(sys.stdout, f"{text}\n")
+            _log.info("%s", text)
+
+    def _on_first(self, function: Callable[[], T]) -> T | None:
+        """Call a function on rank 0; its SceneError is raised on all ranks."""
+        result, error = None, None
+        if self._first:
+            try:
+                result = function()
+            except SceneError as raised:
+                error = raised
+        error = self._world.bcast(error)
+        if error is not None:
+            raise error
+        return result
+
+
+class _LogFile(logging.FileHandler):
+    """A log whose own troubles (a full disk) are not the user's."""
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802
+        """Lose the record."""
+
+
+class logging_to:  # noqa: N801
+    """Context: log into ``run.log``, other ranks their warnings into ``run.<rank>.log``."""
+
+    def __init__(self, folder: Path, rank: int) -> None:
+        name = "run.log" if rank == 0 else f"run.{rank}.log"
+        self._handler = _LogFile(folder / name, delay=rank > 0, encoding="utf-8")
+        self._handler.setLevel(logging.INFO if rank == 0 else logging.WARNING)
+        form = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+        self._handler.setFormatter(logging.Formatter(form))
+
+    def __enter__(self) -> None:
+        logger = logging.getLogger("pearlite_petsc")
+        self._level = logger.level
+        logger.setLevel(logging.INFO)
+        logger.addHandler(self._handler)
+
+    def __exit__(self, *exc: object) -> None:
+        logger = logging.getLogger("pearlite_petsc")
+        logger.setLevel(self._level)
+        logger.removeHandler(self._handler)
+        with suppress(OSError):
+            self._handler.close()

@@ -1,0 +1,66 @@
+"""Requests to stop: signals and the wall time; a clean stop at the next step of every crack."""
+
+import signal
+from collections.abc import Callable
+from time import monotonic
+from types import FrameType, TracebackType
+from typing import Any
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
+
+WALL_TIME = 1000
+"""Stop code of the wall time; a signal's is its number."""
+
+NOT_WRITABLE = 1001
+"""Stop code of an output folder that cannot be written."""
+
+
+def describe(code: int) -> str:
+    """Return what a stop code means."""
+    if code == WALL_TIME:
+        return "wall time reached"
+    if code == NOT_WRITABLE:
+        return "the output cannot be written"
+    return f"{signal.Signals(code).name} received"
+
+
+class StopRequest:
+    """Remembers the first signal instead of dying from it, and the wall time.
+
+    A second SIGINT ends the process as it always does.
+
+    Args:
+        seconds: Wall time allowed from ``started`` on, None for no limit.
+        started: Start of the run by ``time.monotonic``.
+    """
+
+    def __init__(self, seconds: float | None, started: float) -> None:
+        self._end = None if seconds is None else started + seconds
+        self._signal = 0
+        self._before: dict[signal.Signals, Any] = {}
+
+    def __enter__(self) -> "StopRequest":
+        handler: Callable[[int, FrameType | None], None] = self._remember
+        self._before = {number: signal.signal(number, handler) for number in SIGNALS}
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def code(self) -> int:
+        """Return why to stop, 0 for going on."""
+        if self._signal:
+            return self._signal
+        return WALL_TIME if self._end is not None and monotonic() >= self._end else 0
+
+    def _remember(self, number: int, frame: FrameType | None) -> None:
+        if self._signal and number == signal.SIGINT:
+            signal.signal(number, signal.SIG_DFL)
+            signal.raise_signal(number)
+        self._signal = self._signal or number

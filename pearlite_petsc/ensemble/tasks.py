@@ -1,0 +1,41 @@
+"""Tasks of a scene: every crack, one mesh of one state at one Delta-K."""
+
+from dataclasses import dataclass
+
+from pearlite_petsc.output.tables import task_name
+from pearlite_petsc.scene import Scene, State
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One crack to grow.
+
+    Attributes:
+        number: Place in ``all_tasks``.
+        state: State of the steel.
+        mesh_index: Number of the mesh (repetition).
+        delta_k: [MPa sqrt(um)].
+        microstructure: Number of (state, mesh); tasks that share it share their mesh.
+    """
+
+    number: int
+    state: State
+    mesh_index: int
+    delta_k: float
+    microstructure: int
+
+    @property
+    def name(self) -> str:
+        """Stem of the task's files."""
+        return task_name(self.state.name, self.mesh_index, self.delta_k)
+
+
+def all_tasks(scene: Scene) -> tuple[Task, ...]:
+    """Return every task of the scene by state, mesh, delta_k."""
+    meshes, levels = scene.ensemble.meshes, scene.loading.delta_k
+    microstructures = [(state, index) for state in scene.states for index in range(meshes)]
+    return tuple(
+        Task(number * len(levels) + place, state, index, delta_k, number)
+        for number, (state, index) in enumerate(microstructures)
+        for place, delta_k in enumerate(levels)
+    )

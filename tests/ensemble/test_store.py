@@ -1,0 +1,146 @@
+"""Finished tasks and checkpoints: kept, found again, refused where they do not belong."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pearlite_petsc.ensemble.plain import outcome_from_plain, outcome_to_plain
+from pearlite_petsc.ensemble.store import Store, mesh_hash
+from pearlite_petsc.ensemble.tasks import Task, all_tasks
+from pearlite_petsc.errors import SceneError
+from pearlite_petsc.fatigue.outcome import Crack, GrowthState, Outcome, StopReason
+from pearlite_petsc.growth.checkpoint import Checkpoint
+from pearlite_petsc.growth.prepared import prepare_growth
+from pearlite_petsc.tessellation.mesh import Mesh
+from tests.scenes import default_scene
+
+SCENE = default_scene(window={"width": 60.0, "height": 60.0, "notch": 20.0})
+
+
+@pytest.fixture
+def task() -> Task:
+    return all_tasks(SCENE)[0]
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    return Store(tmp_path, "scene one")
+
+
+@pytest.fixture(scope="module")
+def mesh() -> Mesh:
+    return prepare_growth(SCENE, SCENE.states[0], 0).mesh
+
+
+def checkpoint(solves: int) -> Checkpoint:
+    arrays = {"damage": np.full(4, 0.1 * solves), "kept": np.arange(solves)}
+    return Checkpoint({"solves": solves, "cycles": 1.0 / 3.0}, {"iterations": 7}, arrays)
+
+
+def state(mesh: Mesh, solves: int) -> GrowthState:
+    random = np.random.default_rng(solves)
+    k, n = mesh.interface_count, mesh.element_count
+    crack = Crack(80.5, (80.5, 29.0), np.array([[80.0, 30.0], [80.5, 29.0]]), 1.1, 3)
+    values = [random.uniform(size=k) for _ in range(4)]
+    return GrowthState(mesh, 3.5, crack, random.uniform(size=(n, 3)), *values, np.zeros(n, bool), 9)
+
+
+def test_a_finished_task_comes_back_and_its_checkpoints_are_gone(store: Store, task: Task) -> None:
+    store.write_checkpoint(task, "mesh", checkpoint(3), 0)
+    outcome = Outcome(
+        task.state.name, 0, task.delta_k, StopReason.GROWN, da_dn=0.1 + 0.2, tortuosity=None
+    )
+    store.write_finished(task, outcome, "mesh")
+    found = store.read_finished(task)
+    assert found is not None
+    assert found[1] == "mesh"
+    assert outcome_to_plain(found[0]) == outcome_to_plain(outcome)
+    assert store.read_checkpoint(task, "mesh") is None
+    store.forget_finished(task)
+    assert store.read_finished(task) is None
+
+
+def test_an_outcome_with_all_its_arrays_comes_back(task: Task) -> None:
+    arrays = {"history": np.eye(4), "path": np.ones((3, 2)), "broken_pairs": np.array([[1, 2]])}
+    outcome = Outcome("severe_AT", 3, 8e3, StopReason.BOUNDARY, counters={"a": 1.0}, **arrays)
+    back = outcome_from_plain(*outcome_to_plain(outcome))
+    assert back.stop_reason is StopReason.BOUNDARY
+    assert all(np.array_equal(getattr(back, name), value) for name, value in arrays.items())
+
+
+def test_two_checkpoints_are_kept_and_the_newest_counts(store: Store, task: Task) -> None:
+    for solves in (3, 5, 9):
+        store.write_checkpoint(task, "mesh", checkpoint(solves), 0)
+        later(store, task)
+    found = store.read_checkpoint(task, "mesh")
+    assert found is not None
+    assert found[0].equals(checkpoint(9))
+    newest(store, task).write_bytes(b"HDF")
+    found = store.read_checkpoint(task, "mesh")
+    assert found is not None
+    assert found[0].equals(checkpoint(5))
+    assert len(list((store.folder / "growing" / task.name).iterdir())) == 2
+
+
+def test_states_chosen_for_the_fields_come_back_bit_for_bit(
+    store: Store, task: Task, mesh: Mesh
+) -> None:
+    states = [state(mesh, 1), state(mesh, 2)]
+    for number, each in enumerate(states):
+        store.write_state(task, number, each)
+    store.write_checkpoint(task, "mesh", checkpoint(3), 2)
+    found = store.read_checkpoint(task, "mesh")
+    assert found is not None
+    for back, written in zip(found[1], states, strict=True):
+        assert mesh_hash(back.mesh) == mesh_hash(written.mesh)
+        assert back.mesh.notch == written.mesh.notch
+        assert back.crack.tip == written.crack.tip
+        for name in ("displacement", "damage", "normal_stress", "failure_cycles", "loose"):
+            assert np.array_equal(getattr(back, name), getattr(written, name))
+
+
+def test_a_checkpoint_whose_states_are_lost_gives_way_to_the_one_before(
+    store: Store, task: Task, mesh: Mesh
+) -> None:
+    store.write_checkpoint(task, "mesh", checkpoint(3), 0)
+    later(store, task)
+    store.write_checkpoint(task, "mesh", checkpoint(5), 1)
+    found = store.read_checkpoint(task, "mesh")
+    assert found is not None
+    assert found[0].numbers["solves"] == 3
+
+
+def test_files_of_another_scene_task_or_mesh_are_refused(store: Store, task: Task) -> None:
+    store.write_checkpoint(task, "mesh", checkpoint(3), 0)
+    with pytest.raises(SceneError, match="made with mesh mesh, this program makes other"):
+        store.read_checkpoint(task, "other")
+    other = Store(store.folder, "scene two")
+    with pytest.raises(SceneError, match="belongs to scene scene one, not scene two"):
+        other.check([task])
+    store.write_finished(task, Outcome("undeformed", 0, 8e3, StopReason.GROWN), "mesh")
+    second = all_tasks(SCENE)[1]
+    finished = store.folder / "finished"
+    (finished / f"{task.name}.h5").rename(finished / f"{second.name}.h5")
+    with pytest.raises(SceneError, match=f"belongs to task {task.name}"):
+        store.read_finished(second)
+
+
+def test_meshes_differ_by_their_hash(mesh: Mesh) -> None:
+    again = prepare_growth(SCENE, SCENE.states[0], 0).mesh
+    other = prepare_growth(SCENE, SCENE.states[0], 1).mesh
+    assert mesh_hash(again) == mesh_hash(mesh)
+    assert mesh_hash(other) != mesh_hash(mesh)
+
+
+def newest(store: Store, task: Task) -> Path:
+    files = (store.folder / "growing" / task.name).glob("*.h5")
+    return max(files, key=lambda path: path.stat().st_mtime_ns)
+
+
+def later(store: Store, task: Task) -> None:
+    """Make every checkpoint a second older, for file systems with coarse times."""
+    for path in (store.folder / "growing" / task.name).glob("*.h5"):
+        stamp = path.stat().st_mtime_ns - 10**9
+        os.utime(path, ns=(stamp, stamp))

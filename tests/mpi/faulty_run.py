@@ -1,0 +1,77 @@
+"""The run command with a fault built in: ``faulty_run.py FAULT ARGS…``; started by the tests."""
+
+import resource
+import signal
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+FAULT, *ARGUMENTS = sys.argv[1:]
+STEPS_BEFORE = 3
+
+
+def main() -> int:
+    # PETSc must be started by the command itself, so the package is imported where it is patched.
+    from pearlite_petsc import run
+
+    if FAULT != "none":
+        start = run._start
+
+        def faulty(*arguments: Any) -> int:
+            from pearlite_petsc.solver import start as petsc
+
+            starting = petsc.start_petsc
+
+            def start_and_patch(options: Any) -> None:
+                petsc.start_petsc = starting
+                starting(options)
+                patch()
+
+            petsc.start_petsc = start_and_patch
+            return start(*arguments)
+
+        run._start = faulty
+    return run.main(ARGUMENTS)
+
+
+def patch() -> None:
+    from pearlite_petsc.ensemble import crack, group, worker
+    from pearlite_petsc.errors import MeshError, SolverError
+    from pearlite_petsc.growth import front
+
+    if FAULT == "small_files":
+        # What the file system does when it is full, without filling one; MPI has its files by now.
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, resource.RLIM_INFINITY))
+
+    class Faulty(crack.CrackGrowth):
+        def steps(self) -> Iterator[Any]:
+            for number, step in enumerate(super().steps()):
+                if number == STEPS_BEFORE and self.state.name == "severe_AT":
+                    if FAULT == "all_ranks":
+                        raise SolverError("no equilibrium, says the test")
+                    if FAULT == "odd_error":
+                        raise ZeroDivisionError("an error nobody thought of")
+                    if FAULT == "one_rank" and self.comm.rank == 1:
+                        raise ZeroDivisionError("an error on one rank only")
+                yield step
+
+    def no_mesh(scene: Any, state: Any, index: int) -> Any:
+        if FAULT == "no_mesh" and state.name == "severe_AT":
+            raise MeshError("no mesh, says the test")
+        return prepare(scene, state, index)
+
+    group.AGREEMENT_SECONDS = 2.0
+
+    def no_next_mesh(*arguments: Any) -> Any:
+        raise MeshError("no finer mesh, says the test")
+
+    if FAULT == "no_next_mesh":
+        front.Follower.mesh = no_next_mesh
+    crack.CrackGrowth = Faulty
+    prepare = worker.prepare_growth
+    worker.prepare_growth = no_mesh
+
+
+if __name__ == "__main__":
+    sys.exit(main())

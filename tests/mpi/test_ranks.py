@@ -1,0 +1,56 @@
+"""The number of ranks changes no result."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.mpi.launch import assert_same_cracks, outcomes, rows, run
+
+
+def test_three_ranks_grow_the_same_cracks_as_one(reference: Path, tmp_path: Path) -> None:
+    done = run(3, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("] ") == len(rows(reference)) == 6
+    assert_same_cracks(tmp_path, reference)
+
+
+def test_two_ranks_that_share_a_task_agree_with_one_up_to_the_solver(
+    reference: Path, reference_of_pairs: Path
+) -> None:
+    pairs = zip(outcomes(reference_of_pairs), outcomes(reference), strict=True)
+    for mine, alone in pairs:
+        assert mine.broken_pairs is not None
+        assert alone.broken_pairs is not None
+        assert len(mine.broken_pairs)
+        assert np.array_equal(mine.broken_pairs, alone.broken_pairs)
+        assert mine.solves == alone.solves
+        assert mine.cycles == pytest.approx(alone.cycles, rel=1e-6)
+        assert mine.da_dn == pytest.approx(alone.da_dn, rel=1e-6)
+        assert mine.tortuosity == pytest.approx(alone.tortuosity, rel=1e-9)
+
+
+SHORT = ("--set", "loading.delta_k_mpa_sqrt_m=[18.0]", "--set", "loading.extension_um=8")
+
+
+@pytest.fixture(scope="module")
+def short_cracks(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a run of short cracks on one rank."""
+    folder = tmp_path_factory.mktemp("short")
+    done = run(1, folder, *SHORT)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.mark.parametrize("ranks", [3, 4])
+def test_more_ranks_a_task_break_the_same_interfaces(
+    ranks: int, short_cracks: Path, tmp_path: Path
+) -> None:
+    done = run(ranks, tmp_path, "--ranks-per-task", ranks, *SHORT)
+    assert done.returncode == 0, done.stderr
+    shared, alone = outcomes(tmp_path), outcomes(short_cracks)
+    assert len(shared) == 3
+    for mine, other in zip(shared, alone, strict=True):
+        assert mine.broken_pairs is not None and len(mine.broken_pairs)
+        assert np.array_equal(mine.broken_pairs, other.broken_pairs)
+        assert mine.da_dn == pytest.approx(other.da_dn, rel=1e-6)
