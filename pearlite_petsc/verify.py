@@ -1,0 +1,80 @@
+"""Command: compute every claim the program rests on and write verification/report.md."""
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from time import perf_counter
+
+_EXAMPLES = """examples:
+  python -m pearlite_petsc.verify
+  python -m pearlite_petsc.verify --quick --output /tmp/verification
+  python -m pearlite_petsc.verify --only fracture --only damage --output /tmp/verification
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit status: 0, 1 a claim does not hold, 2 bad input."""
+    parser = argparse.ArgumentParser(
+        prog="python -m pearlite_petsc.verify",
+        description="Compute the claims that the program rests on; exit status 1 if one fails.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--quick", action="store_true", help="coarse meshes, half a minute")
+    form.add_argument("--long", action="store_true", help="finest meshes and many, up to an hour")
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path("verification"),
+        metavar="DIR",
+        help="folder of report.md and its figures (default: verification)",
+    )
+    parser.add_argument(
+        "--only", action="append", metavar="NAME", help="one section; may be given again"
+    )
+    chosen = parser.parse_args(arguments)
+    logging.basicConfig(level=logging.WARNING, format="%(message)s", stream=sys.stderr)
+    effort = "QUICK" if chosen.quick else "LONG" if chosen.long else "NORMAL"
+    return verify(effort, chosen.output, chosen.only or [])
+
+
+def verify(effort: str, folder: Path, only: Sequence[str]) -> int:
+    """Compute the sections, print their tables, write the report; return the exit status.
+
+    Args:
+        effort: Name of the ``Effort``.
+        folder: Where report and figures go.
+        only: Names of sections; all of them if empty.
+    """
+    # Here, so that --help starts neither MPI nor PETSc.
+    from pearlite_petsc.verification.claim import Effort, Section, Setting
+    from pearlite_petsc.verification.report import terminal_table, write_report
+    from pearlite_petsc.verification.suite import SECTIONS
+
+    unknown = [name for name in only if name not in SECTIONS]
+    if unknown:
+        sys.stderr.write(f"--only {unknown[0]} is unknown; known: {', '.join(SECTIONS)}\n")
+        return 2
+    setting = Setting(Effort[effort], folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    sections: dict[str, Section] = {}
+    for name, compute in SECTIONS.items():
+        if only and name not in only:
+            continue
+        started = perf_counter()
+        sections[name] = compute(setting)
+        sys.stdout.write(terminal_table(sections[name]) + "\n")
+        sys.stdout.write(f"  ({perf_counter() - started:.1f} s)\n\n")
+        sys.stdout.flush()
+    write_report(folder / "report.md", sections, effort.lower())
+    claims = [claim for section in sections.values() for claim in section.claims]
+    failed = sum(not claim.holds for claim in claims)
+    sys.stdout.write(f"{len(claims)} claims, {failed} do not hold: {folder / 'report.md'}\n")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
