@@ -1,0 +1,61 @@
+"""Command: what each choice of method costs in time and accuracy, and where methods fail.
+
+``python -m pearlite_petsc.bench NAME [options]``; each name is a module of ``benchmarks`` with
+``add_arguments(parser)`` and ``main(args)``, which returns the exit status.
+"""
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from pearlite_petsc.errors import SceneError
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
+
+SUBCOMMANDS = {
+    "pareto": "speed against accuracy of cracks, one choice at a time",
+    "lefm": "speed against accuracy of K, with finite elements beside",
+    "solver": "iterations, time and memory of the solver, other solvers beside",
+    "jumps": "error against solves of every jump in cycles",
+    "stability": "where methods fail, and how",
+    "campaign": "the cracks of a scene against the plain baseline",
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a benchmark; return its exit status: 0, 1 a bar was missed, 2 bad input."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    parser = argparse.ArgumentParser(
+        prog="python -m pearlite_petsc.bench",
+        description="Measure speed, accuracy and limits of the methods.",
+        epilog="\n".join(f"{name:10} {text}" for name, text in SUBCOMMANDS.items()),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("name", choices=SUBCOMMANDS, help="which benchmark")
+    chosen = parser.parse_args(given[:1])
+    # Only the chosen one, whose libraries the others need not have.
+    module = importlib.import_module(f"pearlite_petsc.benchmarks.{chosen.name}")
+    own = argparse.ArgumentParser(
+        prog=f"python -m pearlite_petsc.bench {chosen.name}", description=module.__doc__
+    )
+    module.add_arguments(own)
+    try:
+        status: int = module.main(own.parse_args(given[1:]))
+    except SceneError as error:
+        sys.stderr.write(f"{error}\n")
+        return 2
+    return status
+
+
+def world() -> "MPI.Comm":
+    """Return all ranks, for a benchmark that measures in processes of its own; starts MPI."""
+    from mpi4py import MPI
+
+    return MPI.COMM_WORLD
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Benchmarks: what each choice of method costs and what it is worth; one module a subcommand."""
