@@ -162,11 +162,7 @@ class WithPetsc:
 
     def update(self, damage: FloatArray) -> None:
         """Give the matrix a new damage and keep the preconditioner. Collective."""
-        from pearlite_petsc.solver.krylov import smooths_with_new_values
-
         self._matrix.update(damage)
-        if smooths_with_new_values(self._ksp.pc):
-            self._matrix.follow()
 
 
 class WithPyamg:

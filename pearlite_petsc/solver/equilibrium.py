@@ -18,7 +18,6 @@ from pearlite_petsc.solver.krylov import (
     make_solver,
     multigrid_settings,
     setup_cost,
-    smooths_with_new_values,
     stage,
 )
 from pearlite_petsc.solver.matrix import StiffnessMatrix
@@ -78,8 +77,6 @@ class Equilibrium:
         self._damage = damage
         with stage("assemble"):
             self._matrix.update(damage)
-            if self._ksp is not None and smooths_with_new_values(self._ksp.pc):
-                self._matrix.follow()
 
     def solve(self, load: FloatArray, guess: FloatArray | None = None) -> FloatArray:
         """Return the unknowns in equilibrium with the load.

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from pearlite_petsc.errors import SolverError
-from pearlite_petsc.solver.matrix import StiffnessMatrix
-from pearlite_petsc.solver.options import prefixed_options
+from pearlite_petsc.solver.matrix import PLAIN_ROWS, StiffnessMatrix
+from pearlite_petsc.solver.options import default_options, prefixed_options
 from pearlite_petsc.solver.petsc import PETSc
 
 PREFIX = "pearlite_"
@@ -21,10 +21,9 @@ MULTIGRID = {
     "mg_levels_ksp_max_it": "1",
     "mg_levels_pc_type": "sor",
     "mg_levels_pc_sor_omega": "1.1",
-    # Two levels of large aggregates halve the set-up; the threshold, which falls from level to
-    # level, keeps them from reaching across a crack.
-    "pc_gamg_threshold": "0.12",
-    "pc_gamg_threshold_scale": "0.5",
+    # Two levels of large aggregates halve the set-up; the threshold, lower on each coarser level,
+    # keeps them from reaching across a crack.
+    "pc_gamg_threshold": "0.12,0.08,0.04,0.02",
     "pc_gamg_coarse_eq_limit": "1000",
     # For the smoothing of the prolongation.
     "pc_gamg_esteig_ksp_max_it": "5",
@@ -115,15 +114,17 @@ def make_solver(
     Raises:
         SolverError: PETSc does not know an option's value, or the set-up fails.
     """
-    matrix.follow()
     mat = matrix.mat
     # By way of the transposed prolongation the product is faster, on one rank where PETSc has it.
     products = {"matptap_via": "rap"} if mat.comm.size == 1 else {}
     ksp = PETSc.KSP().create(mat.comm)
     ksp.setOptionsPrefix(prefix)
-    ksp.setOperators(mat, matrix.setup_mat)
+    ksp.setOperators(mat)
     ksp.setTolerances(rtol=relative_tolerance)
-    with prefixed_options(prefix, settings, products, plain=prefix != FALLBACK_PREFIX):
+    with (
+        prefixed_options(prefix, settings, plain=prefix != FALLBACK_PREFIX),
+        default_options(products | PLAIN_ROWS),
+    ):
         try:
             ksp.setFromOptions()
         except PETSc.Error as error:
@@ -145,19 +146,9 @@ def make_solver(
     return ksp
 
 
-def smooths_with_new_values(pc: PETSc.PC) -> bool:
-    """Return whether the finest smoother takes new values of the AIJ matrix without a set-up.
-
-    It then sees a break that the rest of the hierarchy does not know, which saves a quarter of the
-    iterations. Smoothers that estimate eigenvalues would do so again at every change.
-    """
-    if pc.getType() != PETSc.PC.Type.GAMG:
-        return False
-    levels = range(1, pc.getMGLevels())
-    return all(pc.getMGSmoother(level).getType() != "chebyshev" for level in levels)
-
-
 def _sets_up_when_applied(pc: PETSc.PC) -> bool:
     """Return whether the first application may estimate eigenvalues or make sub-solvers."""
-    factored = pc.getType() in (PETSc.PC.Type.CHOLESKY, PETSc.PC.Type.LU)
-    return not factored and not smooths_with_new_values(pc)
+    if pc.getType() != PETSc.PC.Type.GAMG:
+        return pc.getType() not in (PETSc.PC.Type.CHOLESKY, PETSc.PC.Type.LU)
+    levels = range(1, pc.getMGLevels())
+    return any(pc.getMGSmoother(level).getType() == "chebyshev" for level in levels)

@@ -1,10 +1,12 @@
-"""Distributed stiffness matrix (PETSc BAIJ, block size 3) that follows the damage."""
+"""Distributed stiffness matrix (PETSc AIJ, block size 3) that follows the damage."""
 
 import numpy as np
 from mpi4py import MPI
+from scipy.sparse import bsr_array
 
-from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
+from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.mechanics.kinematics import rigid_modes
+from pearlite_petsc.solver.options import default_options
 from pearlite_petsc.solver.part import Part
 from pearlite_petsc.solver.petsc import PETSc
 
@@ -16,6 +18,9 @@ of the diagonal lowered K by 1 % at 40,000 elements). da/dN of 1,000 elements is
 1e-6 lowers it by 3e-5, 1e-3 by 3 %.
 """
 
+PLAIN_ROWS = {"mat_no_inode": "true"}
+"""PETSc's products over groups of rows of one pattern take up to three times as long."""
+
 
 class StiffnessMatrix:
     """K = sum of B^T diag((1 - D) k) B over interfaces, plus the grounding. Collective.
@@ -24,15 +29,10 @@ class StiffnessMatrix:
     the changed interfaces touch and inserts them, so that nothing drifts, an interface with D = 1
     adds exactly nothing, and a restarted run has the same matrix bit for bit.
 
-    Products with the BAIJ matrix are faster, but GAMG and direct solvers want AIJ. Theirs takes
-    the damage only when ``follow`` says so.
-
     Use as a context manager; leaving it destroys the PETSc objects.
 
     Attributes:
-        mat: K of the current damage, BAIJ.
-        setup_mat: K of the damage at the last ``follow``, AIJ, with the rigid modes as
-            near-null-space.
+        mat: K of the current damage, with the rigid modes as near-null-space.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class StiffnessMatrix:
         self._part = part
         self._operator = operator.reshape(-1, 3, 2, 3)
         self._constants = part.spring_constants()
-        self._intact = self._followed = 1.0 - damage
+        self._intact = 1.0 - damage
         own, pairs = part.own, part.pairs
         numbers = part.numbers
         # Half-edges: each interface seen from each of its own elements.
@@ -56,19 +56,16 @@ class StiffnessMatrix:
         columns = np.concatenate([numbers[pairs[self._interface, 1 - self._side]], numbers[:own]])
         self._column = columns[: len(row)]
         self.mat = _assemble(comm, rows, columns, blocks, own, part.total)
-        self.setup_mat = self.mat.convert("aij", PETSc.Mat())
-        for mat in (self.mat, self.setup_mat):
-            mat.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, True)
-            _declare_spd(mat)
+        self.mat.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, True)
+        _declare_spd(self.mat)
         self._near_null_space = self._rigid_modes(comm)
-        self.setup_mat.setNearNullSpace(self._near_null_space)
+        self.mat.setNearNullSpace(self._near_null_space)
 
     def __enter__(self) -> "StiffnessMatrix":
         return self
 
     def __exit__(self, *exc: object) -> None:
         self._near_null_space.destroy()
-        self.setup_mat.destroy()
         self.mat.destroy()
 
     def update(self, damage: FloatArray) -> None:
@@ -78,14 +75,7 @@ class StiffnessMatrix:
             damage: D of the part's interfaces; shape (k,).
         """
         before, self._intact = self._intact, 1.0 - damage
-        self._insert(self.mat, before != self._intact)
-
-    def follow(self) -> None:
-        """Bring the AIJ matrix to the current damage. Collective."""
-        self._insert(self.setup_mat, self._followed != self._intact)
-        self._followed = self._intact
-
-    def _insert(self, mat: PETSc.Mat, changed: BoolArray) -> None:
+        changed = before != self._intact
         touched = np.unique(self._part.pairs[changed])
         touched = touched[touched < self._part.own]
         half = np.flatnonzero(changed[self._interface])
@@ -95,15 +85,15 @@ class StiffnessMatrix:
         if len(rows):
             values = np.concatenate([self._off_diagonal(half), self._diagonal(touched)])
             kind = PETSc.IntType
-            mat.setValuesBlockedIJV(
+            self.mat.setValuesBlockedIJV(
                 np.arange(len(rows) + 1, dtype=kind),
                 columns.astype(kind),
                 values,
                 addv=PETSc.InsertMode.INSERT_VALUES,
                 rowmap=rows.astype(kind),
             )
-        mat.assemble()
-        _declare_spd(mat)
+        self.mat.assemble()
+        _declare_spd(self.mat)
 
     def _off_diagonal(self, half: IntArray | slice) -> FloatArray:
         interface, side = self._interface[half], self._side[half]
@@ -157,19 +147,19 @@ class StiffnessMatrix:
 def _assemble(
     comm: MPI.Comm, rows: IntArray, columns: IntArray, blocks: FloatArray, own: int, total: int
 ) -> PETSc.Mat:
-    """Return the BAIJ matrix of 3 x 3 blocks given in any order, each place once. Collective."""
+    """Return the AIJ matrix of 3 x 3 blocks given in any order, each place once. Collective."""
     order = np.lexsort([columns, rows])
     offsets = np.searchsorted(rows[order], np.arange(own + 1))
+    by_block = bsr_array((blocks[order], columns[order], offsets), shape=(3 * own, 3 * total))
+    by_value = by_block.tocsr()
     kind = PETSc.IntType
-    csr = (offsets.astype(kind), columns[order].astype(kind), blocks[order].ravel())
+    csr = (by_value.indptr.astype(kind), by_value.indices.astype(kind), by_value.data)
     size = (3 * own, 3 * total)
-    return PETSc.Mat().createBAIJ((size, size), bsize=3, csr=csr, comm=comm)
+    with default_options(PLAIN_ROWS):
+        return PETSc.Mat().createAIJ((size, size), bsize=3, csr=csr, comm=comm)
 
 
 def _declare_spd(mat: PETSc.Mat) -> None:
     """Tell PETSc, which forgets it with every new value, that the matrix is SPD."""
     mat.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    if mat.getType().endswith("baij"):
-        # Older PETSc refuses the next one for it.
-        return
     mat.setOption(PETSc.Mat.Option.SPD, True)

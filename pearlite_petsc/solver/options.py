@@ -12,7 +12,6 @@ _FAMILIES = ("ksp_", "pc_", "mg_", "mat_", "sub_")
 def prefixed_options(
     prefix: str,
     defaults: Mapping[str, str],
-    without_prefix: Mapping[str, str] | None = None,
     plain: bool = True,
 ) -> Iterator[None]:
     """Put the options of a solver into the database under its prefix, and take them out after.
@@ -22,17 +21,23 @@ def prefixed_options(
     Args:
         prefix: The solver's prefix.
         defaults: Options by name, without prefix.
-        without_prefix: Defaults of options that PETSc reads without a prefix.
         plain: Whether the user's plain options are meant for this solver too.
     """
     options = PETSc.Options()
-    given = options.getAll()
     wanted = {prefix + name: value for name, value in defaults.items()}
-    wanted |= without_prefix or {}
-    for name in given if plain else ():
+    for name in options.getAll() if plain else ():
         if name.startswith(_FAMILIES):
             # getString marks the plain option as used, which keeps -options_left clean.
             wanted[prefix + name] = options.getString(name)
+    with default_options(wanted):
+        yield
+
+
+@contextmanager
+def default_options(wanted: Mapping[str, str]) -> Iterator[None]:
+    """Put options by their whole names into the database where the user gives none, and out after."""
+    options = PETSc.Options()
+    given = options.getAll()
     added = [name for name in wanted if name not in given]
     for name in added:
         options.setValue(name, wanted[name])

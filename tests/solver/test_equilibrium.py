@@ -193,18 +193,16 @@ def test_many_updates_leave_the_matrix_of_a_new_assembly() -> None:
             damage = damage.copy()
             damage[chosen] = np.minimum(1.0, damage[chosen] + rng.random(40))
             kept.update(damage)
-        kept.follow()
         assert (damage == 1.0).sum() > 1000
         with matrix.StiffnessMatrix(MPI.COMM_SELF, part, operator, damage) as fresh:
-            for mine, new in ((kept.mat, fresh.mat), (kept.setup_mat, fresh.setup_mat)):
-                assert np.array_equal(mine.getValuesCSR()[2], new.getValuesCSR()[2])
+            assert np.array_equal(kept.mat.getValuesCSR()[2], fresh.mat.getValuesCSR()[2])
 
 
 def test_a_broken_interface_adds_exactly_nothing() -> None:
     part = make_part(RANDOM, spring_stiffness(RANDOM, STEEL), 0, RANDOM.element_count)
     broken = np.ones(RANDOM.interface_count)
     with matrix.StiffnessMatrix(MPI.COMM_SELF, part, part.jump_operator(), broken) as stiffness:
-        offsets, columns, values = stiffness.setup_mat.getValuesCSR()
+        offsets, columns, values = stiffness.mat.getValuesCSR()
     rows = np.repeat(np.arange(3 * part.own), np.diff(offsets))
     assert not values[rows != columns].any()
     assert np.unique(values[rows == columns]).size == 1 and values.max() > 0.0
@@ -291,11 +289,10 @@ def test_when_the_direct_solver_fails_too_the_error_names_residual_and_limit() -
         assert equilibrium.counters["direct"] == 1
 
 
-def iterations_while_breaking(follow: bool, monkeypatch: pytest.MonkeyPatch) -> int:
-    """Return the iterations of solves after breaks ahead of the notch on one old hierarchy."""
+def test_an_old_hierarchy_whose_finest_smoother_sees_the_breaks_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(equilibrium_module, "setup_cost", lambda _: 1e9)
-    if not follow:
-        monkeypatch.setattr(equilibrium_module, "smooths_with_new_values", lambda _: False)
     damage = (NOTCHED.kind == Kind.NOTCH).astype(float)
     ahead = NOTCHED.midpoint - NOTCHED.notch
     level = (ahead[:, 0] > 0.0) & (np.abs(NOTCHED.normal[:, 1]) > 0.7) & (damage < 1.0)
@@ -311,20 +308,6 @@ def iterations_while_breaking(follow: bool, monkeypatch: pytest.MonkeyPatch) -> 
             equilibrium.solve(load)
         assert equilibrium.counters["setups"] == 1
         assert not {"refreshed", "direct"} & {*equilibrium.counters}
-        return int(equilibrium.counters["iterations"] - before)
-
-
-def test_smoother_that_knows_the_breaks_saves_iterations(monkeypatch: pytest.MonkeyPatch) -> None:
-    follows = iterations_while_breaking(True, monkeypatch)
-    assert follows < iterations_while_breaking(False, monkeypatch)
-
-
-def test_smoothers_that_estimate_eigenvalues_keep_the_matrix_of_their_set_up() -> None:
-    part = make_part(NOTCHED, spring_stiffness(NOTCHED, STEEL), 0, NOTCHED.element_count)
-    damage = np.zeros(NOTCHED.interface_count)
-    with matrix.StiffnessMatrix(MPI.COMM_SELF, part, part.jump_operator(), damage) as stiffness:
-        for smoother, follows in (("richardson", True), ("chebyshev", False)):
-            settings = krylov.multigrid_settings() | {"mg_levels_ksp_type": smoother}
-            ksp = krylov.make_solver(stiffness, settings, 1e-6)
-            assert krylov.smooths_with_new_values(ksp.pc) is follows
-            ksp.destroy()
+        # From the last solution, and yet not less than from zero: a smoother that does not see the
+        # breaks needs a quarter more.
+        assert equilibrium.counters["iterations"] - before <= 8 * before
