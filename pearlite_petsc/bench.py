@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 SUBCOMMANDS = {
     "pareto": "speed against accuracy of cracks, one choice at a time",
+    "means": "geometric means over twenty meshes a state against the fine reference",
     "lefm": "speed against accuracy of K, with finite elements beside",
     "solver": "iterations, time and memory of the solver, other solvers beside",
     "jumps": "error against solves of every jump in cycles",
