@@ -56,6 +56,9 @@ def look_back(folder: Path, scene: Scene, retry_failed: bool) -> Found:
         if kept is not None and retry_failed and status_of(kept[0]) is Status.FAILED:
             store.forget_finished(task)
             kept = None
+        if kept is not None:
+            # Left where a run was killed between keeping the outcome and dropping these.
+            store.forget_growing(task)
         status.append(int(Status.OPEN if kept is None else status_of(kept[0])))
         values.append([np.nan] * len(COLUMNS) if kept is None else values_of(kept[0]).tolist())
     unfinished = [task for task in tasks if status[task.number] == Status.OPEN]

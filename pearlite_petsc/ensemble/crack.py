@@ -15,6 +15,7 @@ from pearlite_petsc.ensemble.store import Store
 from pearlite_petsc.ensemble.tasks import Task
 from pearlite_petsc.errors import PearliteError
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.growth.first_domain import FirstDomain
 from pearlite_petsc.growth.loop import CrackGrowth
 from pearlite_petsc.growth.prepared import Prepared
 from pearlite_petsc.scene import Scene
@@ -53,7 +54,9 @@ class Ground:
     stopping: Callable[[], bool]
 
 
-def grow_task(ground: Ground, task: Task, prepared: Prepared | None, mesh: str) -> Outcome | None:
+def grow_task(
+    ground: Ground, task: Task, prepared: Prepared | None, mesh: str, first: FirstDomain
+) -> Outcome | None:
     """Return the outcome of a task on all ranks, None if it was stopped before its end. Collective.
 
     What goes wrong in the task is an outcome with the error's message and traceback.
@@ -63,20 +66,22 @@ def grow_task(ground: Ground, task: Task, prepared: Prepared | None, mesh: str) 
         task: The crack.
         prepared: Its microstructure on the group's first rank, None elsewhere.
         mesh: Hash of its first mesh.
+        first: Gives the domain of that mesh.
 
     Raises:
         NotWritableError: The output folder cannot be written; on all ranks.
-
     """
     started = perf_counter()
     # What must be closed is closed together, after the ranks have agreed on what happened.
     with ExitStack() as stack:
         try:
-            return _grow(ground, task, prepared, mesh, stack)
+            return _grow(ground, task, prepared, mesh, first, stack)
         except NotWritableError:
             raise
         except Exception as error:
             ground.group.agree_on_failure(error)
+            # What failed may have left it in any state.
+            stack.callback(first.close)
             return failed(task, error, perf_counter() - started)
 
 
@@ -94,12 +99,19 @@ def failed(task: Task, error: BaseException, wall_s: float = 0.0) -> Outcome:
 
 
 def _grow(
-    ground: Ground, task: Task, prepared: Prepared | None, mesh: str, stack: ExitStack
+    ground: Ground,
+    task: Task,
+    prepared: Prepared | None,
+    mesh: str,
+    first: FirstDomain,
+    stack: ExitStack,
 ) -> Outcome | None:
     group, scene, store = ground.group, ground.scene, ground.store
     stored = group.on_first(lambda: store.read_checkpoint(task, mesh), share=False)
     checkpoint, states = (None, []) if stored is None else stored
-    growth = CrackGrowth(group.comm, scene, task.state, task.delta_k, prepared, checkpoint)
+    resumes = group.same(checkpoint is not None)
+    domain = None if resumes else first.take(task.microstructure, prepared)
+    growth = CrackGrowth(group.comm, scene, task.state, task.delta_k, prepared, checkpoint, domain)
     stack.callback(growth.close)
     ratio = None if prepared is None else prepared.ratio
     fields = FieldObserver(group, scene, ground.folder, task, ratio, states)

@@ -26,6 +26,8 @@ class Domain:
         mesh: The mesh on rank 0, None elsewhere.
         ratio: k_t/k_n of ``matched`` springs.
         damage: D of all interfaces on rank 0; None is an intact mesh with its notch.
+        failure_cycles: Likewise.
+        keep_first: Whether ``restart`` will be wanted.
 
     Attributes:
         damage: D of this rank's interfaces; (k,).
@@ -40,6 +42,7 @@ class Domain:
         ratio: float | None,
         damage: FloatArray | None = None,
         failure_cycles: FloatArray | None = None,
+        keep_first: bool = False,
     ) -> None:
         self.comm, self.scene, self.mesh = comm, scene, mesh
         self.part = _distribute(comm, scene, mesh, ratio)
@@ -53,11 +56,17 @@ class Domain:
         self.damage = self.scatter(damage)
         self.failure_cycles = self.scatter(failure_cycles)
         self.owned = self.part.pairs[:, 0] < self.part.own
-        self.equilibrium = Equilibrium(comm, self.part, self.damage, scene.solver)
+        self._start = self.damage, self.failure_cycles.copy()
+        self.equilibrium = Equilibrium(comm, self.part, self.damage, scene.solver, keep_first)
 
     def close(self) -> None:
         """Destroy the PETSc objects. Collective."""
         self.equilibrium.__exit__()
+
+    def restart(self) -> None:
+        """Go back to the damage and the preconditioner of the start. Collective."""
+        self.damage, self.failure_cycles = self._start[0], self._start[1].copy()
+        self.equilibrium.restart()
 
     def law(self, state: State) -> DamageLaw:
         """Return the damage law of this rank's interfaces.

@@ -21,6 +21,7 @@ from pearlite_petsc.fatigue.outcome import GrowthState, Outcome, StopReason
 from pearlite_petsc.growth.blocks import Blocks
 from pearlite_petsc.growth.checkpoint import Checkpoint
 from pearlite_petsc.growth.domain import Domain
+from pearlite_petsc.growth.first_domain import first_domain
 from pearlite_petsc.growth.first_rank import on_first
 from pearlite_petsc.growth.front import ACTIVE_DAMAGE, Follower, carry_over, interface_pairs
 from pearlite_petsc.growth.prepared import Prepared
@@ -59,6 +60,8 @@ class CrackGrowth:
         prepared: Microstructure and first mesh on rank 0, None elsewhere.
         checkpoint: What ``checkpoint`` returned, on rank 0; None starts from the notch. Continued
             on as many ranks, the crack is the uninterrupted one bit for bit.
+        first: Domain of the first mesh as it is at the start, which stays the caller's to close;
+            None makes one.
     """
 
     def __init__(
@@ -69,10 +72,12 @@ class CrackGrowth:
         delta_k: float,
         prepared: Prepared | None,
         checkpoint: Checkpoint | None = None,
+        first: Domain | None = None,
     ) -> None:
         self._started = perf_counter()
         self.comm, self.scene, self.state, self.delta_k = comm, scene, state, delta_k
         self._prepared = prepared
+        self._borrowed = first
         self._follower = Follower(scene, comm.bcast(None if prepared is None else prepared.zone))
         self._counters: Counter[str] = Counter()
         self._wall_before = 0.0
@@ -80,13 +85,14 @@ class CrackGrowth:
         if comm.bcast(checkpoint is not None):
             self._restore(checkpoint)
             return
-        self._enter(Domain(comm, scene, *_first_mesh(prepared)), 0.0)
+        self._enter(first or first_domain(comm, scene, prepared), 0.0)
         self._start_length = self._tracker.tip[0]
         self._history = [(0.0, self._start_length, 0.0, 0)]
 
     def close(self) -> None:
         """Destroy the PETSc objects. Collective."""
-        self.domain.close()
+        if self.domain is not self._borrowed:
+            self.domain.close()
 
     def steps(self) -> Iterator[Step]:
         """Yield a step after every block, the last one with its reason. Collective.
@@ -226,7 +232,8 @@ class CrackGrowth:
         self._history = [(n, a, p, int(b)) for n, a, p, b in small["history"].tolist()]
         self._follower.zone = FineZone(small["zone_boxes"], small["zone_discs"])
         arrays = {} if checkpoint is None else checkpoint.arrays
-        mesh, ratio = _first_mesh(self._prepared)
+        prepared = self._prepared
+        mesh, ratio = (None, None) if prepared is None else (prepared.mesh, prepared.ratio)
         if self.refinements:
             mesh = on_first(self.comm, lambda: self._refined_mesh(arrays["kept"]))
         damage, failure_cycles = arrays.get("damage"), arrays.get("failure_cycles")
@@ -358,7 +365,7 @@ class CrackGrowth:
                 default = unknown.get(name, np.zeros(len(notch)))
                 carried[name] = carry_over(old.mesh, mesh, values, default)
         self._counters = self._all_counters()
-        old.close()
+        self.close()
         damage, failure_cycles = carried.get("damage"), carried.get("failure_cycles")
         domain = Domain(self.comm, self.scene, mesh, ratio, damage, failure_cycles)
         self._enter(domain, blocks.cycles)
@@ -383,10 +390,6 @@ def _known(mesh: Mesh | None) -> Mesh:
     """Return the mesh, which the first rank has."""
     assert mesh is not None
     return mesh
-
-
-def _first_mesh(prepared: Prepared | None) -> tuple[Mesh | None, float | None]:
-    return (None, None) if prepared is None else (prepared.mesh, prepared.ratio)
 
 
 def _notch_tip(mesh: Mesh) -> tuple[tuple[float, float], int]:

@@ -39,9 +39,23 @@ class Equilibrium:
         counters: iterations, solves, setups; multigrid (instead of factors that failed), refreshed
             and direct (fallbacks).
         set_up_damage: Damage that the preconditioner was made for; (k,).
+
+    Args:
+        comm: The ranks.
+        part: This rank's share of the mesh.
+        damage: At the start; shape (k,), not changed afterwards.
+        settings: Method and tolerance.
+        keep_first: Whether ``restart`` will be wanted, which keeps the first preconditioner.
     """
 
-    def __init__(self, comm: MPI.Comm, part: Part, damage: FloatArray, settings: Solver) -> None:
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        part: Part,
+        damage: FloatArray,
+        settings: Solver,
+        keep_first: bool = False,
+    ) -> None:
         self.part, self.settings = part, settings
         self.counters: Counter[str] = Counter()
         self.operator = part.jump_operator()
@@ -52,16 +66,21 @@ class Equilibrium:
         self._x, self._b = self._matrix.mat.createVecs()
         self._ghosts = GhostExchange(self._x, part)
         self._ksp: PETSc.KSP | None = None
+        self._first_ksp: PETSc.KSP | None = None
+        self._first_damage = damage
         self._setup_cost = setup_cost(3 * part.total)
         self._first_iterations = 0
         self._set_up()
+        if keep_first:
+            self._first_ksp = self._ksp
 
     def __enter__(self) -> "Equilibrium":
         return self
 
     def __exit__(self, *exc: object) -> None:
-        if self._ksp is not None:
-            self._ksp.destroy()
+        for ksp in (self._ksp, self._first_ksp):
+            if ksp is not None:
+                ksp.destroy()
         self._ghosts.close()
         self._x.destroy()
         self._b.destroy()
@@ -105,12 +124,18 @@ class Equilibrium:
             self._solve_iterative()
         return self._ghosts.values(self._x)
 
-    def reset(self, damage: FloatArray) -> None:
-        """Forget everything but the mesh: new damage, zero guess, new preconditioner."""
-        self.update(damage)
+    def restart(self) -> None:
+        """Go back to the damage and preconditioner of the start and to a zero guess. Collective.
+
+        Only where ``keep_first`` was given. The preconditioner counts as set up, so that the
+        counters do not tell which crack of a mesh was the first.
+        """
+        assert self._first_ksp is not None
+        self.update(self._first_damage)
         self._x.set(0.0)
         self.counters.clear()
-        self._set_up()
+        self.counters["setups"] = 1
+        self._take_up(self._first_ksp)
 
     def memory(self) -> dict[str, FloatArray]:
         """Return what the next solve depends on beside the damage, for a checkpoint.
@@ -159,9 +184,13 @@ class Equilibrium:
         A new solver each time: what GAMG would keep of the last one (its random vectors) must not
         decide what a restarted run computes.
         """
-        if self._ksp is not None:
+        self._take_up(self._make_ksp(self.settings.method == "direct"))
+
+    def _take_up(self, ksp: PETSc.KSP) -> None:
+        """Solve with this preconditioner, which was made for the current damage, from now on."""
+        if self._ksp is not None and self._ksp not in (ksp, self._first_ksp):
             self._ksp.destroy()
-        self._ksp = self._make_ksp(self.settings.method == "direct")
+        self._ksp = ksp
         self.set_up_damage = self._damage
         self._fresh = True
         self._excess = 0.0

@@ -100,7 +100,7 @@ class StiffnessMatrix:
     def _off_diagonal(self, half: IntArray | slice) -> FloatArray:
         """Return the blocks that couple half-edges' elements to their neighbours; (h, 3, 3)."""
         interface, side = self._interface[half], self._side[half]
-        blocks = self._coupling[interface]
+        blocks: FloatArray = self._coupling[interface]
         blocks[side == 1] = blocks[side == 1].swapaxes(1, 2)
         blocks *= self._intact[interface, None, None]
         return blocks

@@ -6,7 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pearlite_petsc.config import scene_hash
+from pearlite_petsc.ensemble.campaign import look_back
 from pearlite_petsc.ensemble.plain import outcome_from_plain, outcome_to_plain
+from pearlite_petsc.ensemble.status import Status
 from pearlite_petsc.ensemble.store import Store, mesh_hash
 from pearlite_petsc.ensemble.tasks import Task, all_tasks
 from pearlite_petsc.errors import SceneError
@@ -144,3 +147,17 @@ def later(store: Store, task: Task) -> None:
     for path in (store.folder / "growing" / task.name).glob("*.h5"):
         stamp = path.stat().st_mtime_ns - 10**9
         os.utime(path, ns=(stamp, stamp))
+
+
+def test_checkpoints_of_a_finished_task_are_dropped_at_the_next_start(
+    tmp_path: Path, task: Task
+) -> None:
+    store = Store(tmp_path / "checkpoint", scene_hash(SCENE))
+    outcome = Outcome(task.state.name, 0, task.delta_k, StopReason.GROWN, da_dn=0.1)
+    store.write_finished(task, outcome, "mesh")
+    # As a run leaves them that is killed before it drops them.
+    store.write_checkpoint(task, "mesh", checkpoint(3), 0)
+    found = look_back(tmp_path, SCENE, retry_failed=False)
+    assert found.status[0] == Status.DONE
+    assert found.growing == 0
+    assert not list((tmp_path / "checkpoint" / "growing").glob("*"))
