@@ -35,8 +35,14 @@ SURROUNDINGS = 0.32
 NEVER = 1e250
 """Cycles after which nothing is taken to come."""
 
-RIVAL_RELEASE = 0.2
-"""A block ends when an interface other than the first has released so much of its force."""
+RIVAL_RELEASE, NEAR_RIVAL_RELEASE = 0.3, 0.1
+"""A block ends when an interface other than the first has released so much more of its force.
+
+Less where the two are nearly even, since which of them breaks first decides the crack's path.
+"""
+
+NEAR_RIVAL = 1.5
+"""Times to failure, over that of the first interface, below which another one is nearly even."""
 
 SMALLEST_SHARE, LARGEST_SHARE = 0.05, 0.95
 WEIGHT_OF_LAST = 0.1
@@ -161,7 +167,9 @@ class Block:
         """Return when each interface has let go of so much that it may be the first to break."""
         assert path.sensitivity is not None
         share = path.sensitivity[:, 0]
-        force = released(path.damage[:, 0], share) + RIVAL_RELEASE
+        near = self._spent[:, -1] < NEAR_RIVAL * self.longest
+        more = np.where(near, NEAR_RIVAL_RELEASE, RIVAL_RELEASE)
+        force = released(path.damage[:, 0], share) + more
         damage = force / (1.0 - share + share * force)
         time = _lookup(self._grid, self._spent, damage)
         return np.where((force < 1.0) & (damage <= self._grid[:, -1]), time, np.inf)
