@@ -11,6 +11,9 @@ MOST_AFFINE_SHEAR = 0.45
 LONGEST_STEP = {"euler": 0.05, "heun": 0.1, "exponential": 0.1}
 """delta_d up to which da/dN is right within 10 %, as ``bench jumps`` measures it too."""
 
+SMALLEST_WINDOW = 32.0
+"""Side of the window over the element's longer side from which da/dN is right within 10 %."""
+
 
 def method_warnings(scene: Scene) -> list[str]:
     """Return one sentence for each method that the scene takes beyond its limit."""
@@ -39,5 +42,14 @@ def method_warnings(scene: Scene) -> list[str]:
         warnings.append(
             f'cycle_jump method = "{jump.method}" with delta_d = {jump.delta_d:g}: above {longest:g} '
             "da/dN is wrong by more than 10 %."
+        )
+    longer = max(scene.elements.width, scene.elements.length)
+    side = min(scene.window.width, scene.window.height)
+    if scene.loading.kind == "k_field" and side < SMALLEST_WINDOW * longer:
+        warnings.append(
+            f"window of {scene.window.width:g} x {scene.window.height:g} um with elements of up to "
+            f"{longer:g} um: below {SMALLEST_WINDOW * longer:g} um da/dN is too high by more than "
+            "10 % (11 elements across: 38 %, 30: 13 %), because the edge feels where in its element "
+            "the tip is."
         )
     return warnings

@@ -30,6 +30,16 @@ def test_pareto_finds_small_blocks_more_accurate(tmp_path: Path) -> None:
     assert (tmp_path / "pareto.png").stat().st_size > 10_000
 
 
+def test_means_lie_in_the_intervals_of_the_reference(tmp_path: Path) -> None:
+    assert main(["means", "--quick", "--output", str(tmp_path)]) == 0
+    for row in rows(tmp_path / "means.csv"):
+        low, mean, high = (float(row[f"reference{end}"]) for end in ("_low", "", "_high"))
+        assert low < float(row["default"]) < high
+        assert float(row["ratio"]) == pytest.approx(float(row["default"]) / mean, rel=1e-5)
+        flipped = row["flipped"].count("(")
+        assert int(row["same_path"]) + flipped == int(row["meshes"]) == 3
+
+
 def test_stability_knows_where_moduli_and_k_go_wrong(tmp_path: Path) -> None:
     only = ["--only", "shears", "--only", "residual_stiffnesses"]
     assert main(["stability", "--quick", *only, "--output", str(tmp_path)]) == 0

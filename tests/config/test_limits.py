@@ -40,6 +40,21 @@ def test_what_was_measured_to_be_wrong_is_noticed(study: str, value: str, outcom
     assert len(warnings) == outcome.startswith("wrong"), warnings
 
 
+def windows() -> list[tuple[float, str]]:
+    table = Path(__file__).parents[2] / "benchmarks" / "stability.csv"
+    with table.open(newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["study"] == "window over extension"]
+    return [(float(row["value"]), row["outcome"]) for row in rows if "stops" not in row["outcome"]]
+
+
+@pytest.mark.parametrize(("value", "outcome"), windows())
+def test_a_window_that_was_measured_to_be_too_small_is_noticed(value: float, outcome: str) -> None:
+    sides = [f"window.{key}_um={30.0 * value}" for key in ("width", "height")]
+    rest = ["window.notch_um=10", "loading.extension_um=1"]
+    warnings = method_warnings(load_scene_text("", "test", [*sides, *rest]))
+    assert len(warnings) == outcome.startswith("wrong"), warnings
+
+
 def jumps() -> list[tuple[str, str, str]]:
     table = Path(__file__).parents[2] / "benchmarks" / "jumps.csv"
     with table.open(newline="", encoding="utf-8") as file:
