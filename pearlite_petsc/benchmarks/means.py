@@ -4,6 +4,7 @@ import argparse
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -22,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``bench means``."""
     parser.add_argument("--quick", action="store_true", help="three small cracks of two states")
     parser.add_argument("--meshes", type=int, default=20, metavar="N", help="a state (default: 20)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     parser.add_argument("--output", type=Path, default=Path("benchmarks"), metavar="DIR")
 
 
@@ -37,7 +39,8 @@ def main(args: argparse.Namespace) -> int:
     reference: dict[Key, Grown] = {}
     # One process a core; none is forked, which MPI would not survive.
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
-        for done, (own, exact) in enumerate(pool.map(both, plans), 1):
+        grown = pool.map(partial(both, overrides=tuple(args.set)), plans)
+        for done, (own, exact) in enumerate(grown, 1):
             cracks |= own
             reference |= exact
             other = [
@@ -51,9 +54,9 @@ def main(args: argparse.Namespace) -> int:
     return 0 if all(row["within"] for row in rows) else 1
 
 
-def both(plan: Plan) -> tuple[dict[Key, Grown], dict[Key, Grown]]:
-    """Grow the cracks of a plan by default and as the reference."""
-    return grow(plan), grow(plan, REFERENCE)
+def both(plan: Plan, overrides: Sequence[str]) -> tuple[dict[Key, Grown], dict[Key, Grown]]:
+    """Grow the cracks of a plan with some settings on top of the default, and as the reference."""
+    return grow(plan, overrides), grow(plan, REFERENCE)
 
 
 def table(states: Sequence[str], cracks: Cracks, reference: Cracks) -> Iterator[Row]:
