@@ -32,12 +32,14 @@ class Plan:
         meshes: Indices.
         delta_k: [MPa sqrt(m)].
         overrides: Settings that all have in common, "table.key=value" each.
+        sharing: Loads that share the making of a mesh, if more than the plan's.
     """
 
     states: tuple[str, ...]
     meshes: tuple[int, ...]
     delta_k: tuple[float, ...]
     overrides: tuple[str, ...] = ()
+    sharing: int = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,7 +89,7 @@ def grow(plan: Plan, overrides: Sequence[str] = (), scene_text: str = "") -> dic
                 failed = _failure(error, process_time() - started)
                 found |= {(name, mesh, value): failed for value in plan.delta_k}
                 continue
-            share = (process_time() - started) / len(plan.delta_k)
+            share = (process_time() - started) / max(len(plan.delta_k), plan.sharing)
             for value in plan.delta_k:
                 found[name, mesh, value] = _grown(scene, states[name], value, prepared, share)
     return found
