@@ -1,4 +1,4 @@
-"""Scenes for tests, made by hand with the defaults of the documented scene file."""
+"""Scenes for tests, made by hand."""
 
 from dataclasses import replace
 from typing import Any
@@ -14,21 +14,13 @@ from pearlite_petsc.scene import (
     Output,
     Scene,
     Solver,
-    State,
     Window,
 )
-
-STATES = {
-    "undeformed": State("undeformed", 0.0, "AT", 470.0, 5000.0),
-    "moderate_AT": State("moderate_AT", 2.0, "AT", 616.0, 4000.0),
-    "severe_AT": State("severe_AT", 30.0, "AT", 1024.0, 2300.0),
-    "moderate_TA": State("moderate_TA", 2.0, "TA", 616.0, 4000.0),
-    "severe_TA": State("severe_TA", 30.0, "TA", 1024.0, 2300.0),
-}
+from pearlite_petsc.verification.cases import STATES
 
 
 def default_scene(**changes: Any) -> Scene:
-    """Return the default scene; a change is a whole part, or a dict of one part's fields."""
+    """Return a small scene of the five states; a change is a whole part, or a dict of one part's fields."""
     scene = Scene(
         name="test",
         microstructure=Microstructure(60.0, 30.0, 15.0, 1),

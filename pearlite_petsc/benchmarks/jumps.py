@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pearlite_petsc.benchmarks.cracks import Plan, compare, grow
-from pearlite_petsc.benchmarks.pareto import QUICK_WINDOW, STATES, WINDOW
+from pearlite_petsc.benchmarks.cracks import compare, grow
+from pearlite_petsc.benchmarks.pareto import plan_of
 from pearlite_petsc.benchmarks.table import say, write_rows
 
 REFERENCE = ("cycle_jump.method=compliance", "cycle_jump.delta_d=0.02")
@@ -33,10 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Measure, write ``jumps.csv`` and the figure; 1 if the default needs too many solves."""
-    if args.quick:
-        plan = Plan(STATES[1:3], (0,), (12.0,), QUICK_WINDOW)
-    else:
-        plan = Plan(STATES, tuple(range(args.meshes)), (12.0,), WINDOW)
+    plan = plan_of(args.quick, args.meshes)
     reference = grow(plan, REFERENCE)
     rows = []
     needed = float("nan")

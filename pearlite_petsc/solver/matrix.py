@@ -101,7 +101,8 @@ class StiffnessMatrix:
         """Return the blocks that couple half-edges' elements to their neighbours; (h, 3, 3)."""
         interface, side = self._interface[half], self._side[half]
         blocks: FloatArray = self._coupling[interface]
-        blocks[side == 1] = blocks[side == 1].swapaxes(1, 2)
+        second = side == 1
+        blocks[second] = blocks[second].swapaxes(1, 2)
         blocks *= self._intact[interface, None, None]
         return blocks
 

@@ -13,6 +13,7 @@ from pearlite_petsc.tessellation.mesh import Mesh
 from pearlite_petsc.tessellation.notch_split import split_at_notch
 from pearlite_petsc.tessellation.zone import FineZone
 from tests.scenes import STATES, default_scene
+from tests.tessellation.closure import outward_sums
 
 SCENE = default_scene(
     window={"width": 120.0, "height": 100.0, "notch": 40.0}, elements={"shear": "affine"}
@@ -30,12 +31,7 @@ def test_elements_fill_the_window_and_their_outward_normals_cancel(name: str) ->
     m = mesh(name)
     assert abs(m.area.sum() - 12_000.0) < 1e-6
     assert (m.area > 0).all()
-    outward = np.zeros((m.element_count, 2))
-    force = m.normal * m.length[:, None]
-    np.add.at(outward, m.interface_elements[:, 0], force)
-    np.add.at(outward, m.interface_elements[:, 1], -force)
-    step = m.vertices[m.boundary_vertices[:, 1]] - m.vertices[m.boundary_vertices[:, 0]]
-    np.add.at(outward, m.boundary_elements, np.column_stack([step[:, 1], -step[:, 0]]))
+    outward = outward_sums(m)
     assert np.abs(outward).max() < 6 * DROPPING * np.sqrt(8.0)
     assert np.median(np.abs(outward)) < 1e-10
 

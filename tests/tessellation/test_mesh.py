@@ -16,6 +16,7 @@ from pearlite_petsc.tessellation.mesh import Mesh
 from pearlite_petsc.tessellation.quality import quality
 from pearlite_petsc.tessellation.zone import FineZone, initial_zone
 from tests.scenes import STATES, default_scene
+from tests.tessellation.closure import outward_sums
 
 SCENE = default_scene()
 NO_BOXES, NO_DISCS = np.empty((0, 4)), np.empty((0, 3))
@@ -42,12 +43,7 @@ def uniform(name: str) -> Mesh:
 def test_elements_fill_the_window_and_their_outward_normals_cancel(name: str) -> None:
     m = uniform(name)
     assert abs(m.area.sum() - 40_000.0) < 1e-6
-    outward = np.zeros((m.element_count, 2))
-    force = m.normal * m.length[:, None]
-    np.add.at(outward, m.interface_elements[:, 0], force)
-    np.add.at(outward, m.interface_elements[:, 1], -force)
-    step = m.vertices[m.boundary_vertices[:, 1]] - m.vertices[m.boundary_vertices[:, 0]]
-    np.add.at(outward, m.boundary_elements, np.column_stack([step[:, 1], -step[:, 0]]))
+    outward = outward_sums(m)
     # A dropped facet is missing in the sum; nothing else may be.
     assert np.abs(outward).max() < 4 * DROPPING * np.sqrt(8.0)
     assert np.median(np.abs(outward)) < 1e-12

@@ -52,6 +52,10 @@ def pareto_front(
     return np.asarray(order[first])
 
 
+LABEL_WIDTH, LABEL_HEIGHT = 75.0, 8.0
+"""Room of a label on the front [points]."""
+
+
 def draw_pareto(
     path: Path,
     settings: Sequence[Setting],
@@ -93,14 +97,18 @@ def draw_pareto(
                     low = max(setting.error_low or 0.0, floor)
                     axes.plot([setting.cost] * 2, [low, setting.error_high], color=colour, lw=0.8)
         axes.set(xscale="log", yscale="log", xlabel=cost_label, ylabel=error_label)
+        axes.margins(x=0.12)
         placed: list[FloatArray] = []
         for place in front:
             point = axes.transData.transform((cost[place], shown[place])) * 72.0 / figure.dpi
             # Labels of near points stand one above the other.
             text = point + np.full(2, 4.0)
-            for other in placed:
-                if abs(text[0] - other[0]) < 60.0 and abs(text[1] - other[1]) < 8.0:
-                    text[1] = other[1] + 8.0
+            near = sorted(
+                float(other[1]) for other in placed if abs(text[0] - other[0]) < LABEL_WIDTH
+            )
+            for height in near:
+                if abs(text[1] - height) < LABEL_HEIGHT:
+                    text[1] = height + LABEL_HEIGHT
             placed.append(text)
             axes.annotate(
                 settings[place].label,
