@@ -15,6 +15,9 @@ LIGAMENT_DETOUR = 10.0
 
 Point = tuple[float, float]
 
+Interface = tuple[Sequence[int], Sequence[int], Sequence[Sequence[float]]]
+"""Elements on both sides, junctions at both ends, and where those are [um]."""
+
 
 class CrackTracker:
     """Ways from the notch's tip along broken interfaces, updated and never recomputed.
@@ -67,32 +70,34 @@ class CrackTracker:
             self.broken += len(junctions)
         return reached
 
-    def tip_after(
-        self, elements: Sequence[int], junctions: Sequence[int], ends: Sequence[Sequence[float]]
-    ) -> Point:
-        """Return where the tip would be [um] if one more interface broke.
+    def tip_after(self, interface: Interface) -> Point:
+        """Return where the tip would be [um] if one more interface broke."""
+        return max([self.tip, *self.reached_after([interface])], key=lambda point: point[0])
 
-        Args:
-            elements: On both sides of it.
-            junctions: At its ends.
-            ends: Where those are [um].
-        """
-        touched = set(junctions).union(*(self._of_element.get(item, ()) for item in elements))
-        tip = self.tip
-        if self._cost.keys().isdisjoint(touched):
-            return tip
-        position = dict(zip(junctions, ends, strict=True))
-        seen = {junction for junction in touched if junction not in self._cost}
-        waiting = list(seen)
-        while waiting:
-            junction = waiting.pop()
-            x, y = self._position.get(junction) or position[junction]
-            if x > tip[0]:
-                tip = x, y
-            new = {other for other, _ in self._edges.get(junction, ()) if other not in self._cost}
-            waiting += new - seen
-            seen |= new
-        return tip
+    def reached_after(self, interfaces: Sequence[Interface]) -> list[Point]:
+        """Return the points [um] that the crack would reach beside its own if some more broke."""
+        position: dict[int, Point] = {}
+        seen: set[int] = set()
+        left = list(interfaces)
+        joined = True
+        while joined:
+            joined = False
+            for interface in left.copy():
+                elements, junctions, ends = interface
+                touched = set(junctions).union(*(self._of_element.get(e, ()) for e in elements))
+                if touched.isdisjoint(seen) and self._cost.keys().isdisjoint(touched):
+                    continue
+                left.remove(interface)
+                joined = True
+                position |= {place: (x, y) for place, (x, y) in zip(junctions, ends, strict=True)}
+                waiting = [item for item in touched - seen if item not in self._cost]
+                seen |= set(waiting)
+                while waiting:
+                    ways = self._edges.get(waiting.pop(), ())
+                    new = {other for other, _ in ways if other not in self._cost} - seen
+                    waiting += new
+                    seen |= new
+        return [self._position.get(junction) or position[junction] for junction in seen]
 
     def crack(self) -> Crack:
         """Return the crack as it is."""

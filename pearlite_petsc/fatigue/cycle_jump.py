@@ -7,7 +7,8 @@ first one breaks. Within it each interface follows a rate curve:
 ``exponential``  rate_0 exp(lambda (D - D_0)), lambda from the interface's last two rates;
 ``compliance``   the stress of a spring that softens in an elastic body,
                  sigma_0 (1 - g D_0)/(1 - g D), exact for one interface alone; g is the share of
-                 the spring in the compliance seen at the interface, measured on those that led.
+                 the spring in the compliance seen at the interface. It tells which interfaces
+                 will soften in a block; how they do, ``softening`` works out together.
 """
 
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from typing import Literal
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
+from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.damage import DamageLaw, damage_rate
 from pearlite_petsc.scene import CycleJumpMethod
 
@@ -30,22 +31,11 @@ UNKNOWN_EXPONENT = 3.0
 """lambda of an interface that has no history yet."""
 
 SURROUNDINGS = 0.32
-"""Stiffness k_n L/E of what surrounds an interface, until it is measured."""
+"""Stiffness k_n L/E of what surrounds an interface, the mean of many measured."""
 
 NEVER = 1e250
 """Cycles after which nothing is taken to come."""
 
-RIVAL_RELEASE, NEAR_RIVAL_RELEASE = 0.3, 0.1
-"""A block ends when an interface other than the first has released so much more of its force.
-
-Less where the two are nearly even, since which of them breaks first decides the crack's path.
-"""
-
-NEAR_RIVAL = 1.5
-"""Times to failure, over that of the first interface, below which another one is nearly even."""
-
-SMALLEST_SHARE, LARGEST_SHARE = 0.05, 0.95
-WEIGHT_OF_LAST = 0.1
 _NODES = 33
 _PASSIVE = 1e-3
 
@@ -113,8 +103,8 @@ class Block:
             by each.
 
     Attributes:
-        longest: Cycles until the first interface of all reaches its limit, with ``compliance`` at
-            most until a rival may overtake it; infinite where none has a rate.
+        longest: Cycles until the first interface of all reaches its limit; infinite where none has
+            a rate.
         first: Number of that interface where it is among these; (0,) or (1,).
     """
 
@@ -128,7 +118,7 @@ class Block:
         self.drive = drive
         self.rate = rate = drive.rate_at(drive.damage)
         if curve == "compliance":
-            limit = _next_release(drive, delta_d)
+            limit = next_release(drive, delta_d)
         else:
             limit = np.minimum(drive.damage + delta_d, drive.failure_damage)
         with np.errstate(divide="ignore"):
@@ -158,21 +148,6 @@ class Block:
         if self.longest > NEVER:
             self.longest = np.inf
             return
-        if curve == "compliance":
-            rival = self._rival_time(path)
-            rival[np.isin(self._leading, self.first)] = np.inf
-            self.longest = min(self.longest, least(float(rival.min(initial=np.inf))))
-
-    def _rival_time(self, path: Drive) -> FloatArray:
-        """Return when each interface has let go of so much that it may be the first to break."""
-        assert path.sensitivity is not None
-        share = path.sensitivity[:, 0]
-        near = self._spent[:, -1] < NEAR_RIVAL * self.longest
-        more = np.where(near, NEAR_RIVAL_RELEASE, RIVAL_RELEASE)
-        force = released(path.damage[:, 0], share) + more
-        damage = force / (1.0 - share + share * force)
-        time = _lookup(self._grid, self._spent, damage)
-        return np.where((force < 1.0) & (damage <= self._grid[:, -1]), time, np.inf)
 
     def damage_after(self, cycles: float) -> FloatArray:
         """Return D after 0 <= cycles <= longest, exactly 1 where an interface broke; (k,)."""
@@ -184,9 +159,9 @@ class Block:
         return snapped(damage, drive.failure_damage)
 
 
-def own_share(stiffness: FloatArray, surroundings: float = SURROUNDINGS) -> FloatArray:
+def own_share(stiffness: FloatArray) -> FloatArray:
     """Return g = k/(k + k_surroundings) of springs in series with what surrounds them; (k,)."""
-    return np.asarray(stiffness / (stiffness + surroundings))
+    return np.asarray(stiffness / (stiffness + SURROUNDINGS))
 
 
 def released(damage: FloatArray, share: FloatArray) -> FloatArray:
@@ -194,12 +169,18 @@ def released(damage: FloatArray, share: FloatArray) -> FloatArray:
     return np.asarray(damage * (1.0 - share) / (1.0 - share * damage))
 
 
-def _next_release(drive: Drive, step: float) -> FloatArray:
-    """Return the damage at the end of equal steps in released force on the way to failure; (k,)."""
+def next_release(drive: Drive, step: float, least_steps: float = 1.0) -> FloatArray:
+    """Return the damage at the end of equal steps in released force on the way to failure; (k,).
+
+    Args:
+        drive: Damage and g.
+        step: Largest share of the force that a step may release.
+        least_steps: Steps at least.
+    """
     share = 0.0 * drive.damage if drive.sensitivity is None else drive.sensitivity
     start = released(drive.damage, share)
     end = released(np.full_like(start, drive.failure_damage), share)
-    steps = np.maximum(np.ceil((end - start) / step - 1e-9), 1.0)
+    steps = np.maximum(np.ceil((end - start) / step - 1e-9), least_steps)
     force = start + (end - start) / steps
     return np.where(steps > 1.0, force / (1.0 - share + share * force), drive.failure_damage)
 
@@ -219,71 +200,32 @@ def snapped(damage: FloatArray, failure_damage: float) -> FloatArray:
 
 
 class Memory:
-    """Remembers the last solve of each interface and learns lambda or g from the next.
+    """Remembers the last rate of each interface and learns lambda from the next (``exponential``).
 
     Args:
         method: The cycle jump of the scene.
-        damage: D at the start; (k,).
-        stiffness: Of each interface's spring, k_n L/E [-]; (k,).
+        count: Interfaces.
 
     Attributes:
-        surroundings: Stiffness of what surrounds an interface, over E: the mean of those measured.
-        sensitivity: lambda or g of each interface; (k,).
+        sensitivity: lambda of each interface; (k,).
+        damage, value: D, NaN where nothing is known, and dD/dN then; (k,).
     """
 
-    def __init__(self, method: CycleJumpMethod, damage: FloatArray, stiffness: FloatArray) -> None:
-        self.curve: RateCurve = "compliance"
-        if method in ("euler", "heun"):
-            self.curve = "euler"
-        elif method == "exponential":
-            self.curve = "exponential"
-        self.stiffness = stiffness
-        self.surroundings = SURROUNDINGS
-        self.sensitivity = np.full(len(damage), UNKNOWN_EXPONENT)
-        if self.curve == "compliance":
-            self.sensitivity = self._share()
-        self.damage = np.full(len(damage), np.nan)
-        self.value = np.zeros(len(damage))
+    def __init__(self, method: CycleJumpMethod, count: int) -> None:
+        self.curve: RateCurve = "exponential" if method == "exponential" else "euler"
+        self.sensitivity = np.full(count, UNKNOWN_EXPONENT)
+        self.damage = np.full(count, np.nan)
+        self.value = np.zeros(count)
 
     def learned(self, drive: Drive) -> Drive:
-        """Return the drive with what is known of the sensitivity of each interface.
-
-        lambda comes from the last two rates of each interface. g does not: stresses also rise
-        because others soften, so it is measured on the leading interface alone (``observe``).
-        """
+        """Return the drive with lambda of each interface, from its last two rates."""
         if self.curve == "euler":
             return drive
-        if self.curve == "exponential":
-            rate = drive.rate_at(drive.damage)
-            found = exponent(rate, self.value, drive.damage, self.damage)
-            self.sensitivity = np.where(np.isnan(found), self.sensitivity, found)
-            self.damage, self.value = drive.damage, rate
+        rate = drive.rate_at(drive.damage)
+        found = exponent(rate, self.value, drive.damage, self.damage)
+        self.sensitivity = np.where(np.isnan(found), self.sensitivity, found)
+        self.damage, self.value = drive.damage, rate
         return drive.with_sensitivity(self.sensitivity)
-
-    def observe(self, share: float, stiffness: float, leading: BoolArray) -> None:
-        """Take the g measured on the leading interface and what it says of all others.
-
-        Args:
-            share: Measured g.
-            stiffness: Of that interface's spring [-].
-            leading: Which interface it was, none where others hold it; (k,).
-        """
-        measured = stiffness * (1.0 - share) / max(share, SMALLEST_SHARE)
-        self.surroundings *= (measured / self.surroundings) ** WEIGHT_OF_LAST
-        self.sensitivity = np.where(leading, share, self._share())
-
-    def _share(self) -> FloatArray:
-        return own_share(self.stiffness, self.surroundings)
-
-    def restart(self, surroundings: float) -> None:
-        """Begin on new interfaces with the surroundings measured on others."""
-        self.surroundings = surroundings
-        if self.curve == "compliance":
-            self.sensitivity = self._share()
-
-    def softening(self, before: FloatArray, after: FloatArray) -> FloatArray:
-        """Return the factor that a change of damage puts on an interface's own stress; (k,)."""
-        return np.asarray((1.0 - self.sensitivity * before) / (1.0 - self.sensitivity * after))
 
     def forget_near(self, midpoint: FloatArray, breaks: FloatArray, reach: float) -> None:
         """Forget what was learned close to interfaces that broke.
@@ -293,7 +235,7 @@ class Memory:
             breaks: Midpoints of those that broke [um]; (b, 2).
             reach: How far a break changes stresses much [um].
         """
-        if self.curve != "exponential":
+        if self.curve == "euler":
             return
         near = cdist(midpoint, breaks).min(axis=1) < reach
         self.damage = np.where(near, np.nan, self.damage)

@@ -19,27 +19,48 @@ class LooseClusters:
 
     def __init__(self, mesh: Mesh, broken: BoolArray) -> None:
         self._mesh = mesh
-        self._rings = UnionFind()
-        border = mesh.junction[mesh.boundary_vertices].ravel()
-        for junction in border[1:]:
-            self._rings.join(int(border[0]), int(junction))
-        self.loose = np.zeros(mesh.element_count, dtype=bool)
-        self.update(np.flatnonzero(broken), broken)
+        self._broken = np.zeros_like(broken)
+        self._tried: IntArray = np.empty(0, dtype=np.int64)
+        self._begin()
+        self.take(np.flatnonzero(broken))
 
-    def update(self, fresh: IntArray, broken: BoolArray) -> None:
-        """Take newly broken interfaces.
+    def attempt(self, fresh: IntArray) -> None:
+        """Look what breaks on trial would cut off, those before that were not taken left out.
 
         Args:
             fresh: Their numbers.
-            broken: All that are broken; (k,).
 
         Raises:
-            SolverError: A cluster was cut off that carries boundary load.
+            SolverError: A cluster is cut off that carries boundary load.
         """
-        ends = self._mesh.junction[self._mesh.interface_vertices[fresh]]
+        if len(self._tried) and not np.isin(self._tried, fresh).all():
+            self._begin()
+        new = fresh[~np.isin(fresh, self._tried)]
+        self._tried = np.union1d(self._tried, fresh)
+        ends = self._mesh.junction[self._mesh.interface_vertices[new]]
         rings = [not self._rings.join(a, b) for a, b in ends.tolist()]
         if any(rings):
+            broken = self._broken.copy()
+            broken[self._tried] = True
             self._search(broken)
+
+    def take(self, fresh: IntArray) -> None:
+        """Take newly broken interfaces, tried before or not; raises as ``attempt``."""
+        self.attempt(fresh)
+        self._broken[fresh] = True
+        self._tried = np.empty(0, dtype=np.int64)
+
+    def _begin(self) -> None:
+        """Join what is broken anew, with the window's boundary."""
+        self._rings = UnionFind()
+        self._tried = np.empty(0, dtype=np.int64)
+        self.loose = np.zeros(self._mesh.element_count, dtype=bool)
+        border = self._mesh.junction[self._mesh.boundary_vertices].ravel()
+        for junction in border[1:]:
+            self._rings.join(int(border[0]), int(junction))
+        if self._broken.any():
+            self.attempt(np.flatnonzero(self._broken))
+            self._tried = np.empty(0, dtype=np.int64)
 
     def _search(self, broken: BoolArray) -> None:
         mesh = self._mesh

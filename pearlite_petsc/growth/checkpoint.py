@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_SMALL = ("history", "zone_boxes", "zone_discs", "reuse")
+_SMALL = ("history", "zone_boxes", "zone_discs", "reuse", "coupling_taken", "coupling_tip")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

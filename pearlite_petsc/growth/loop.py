@@ -1,4 +1,4 @@
-"""The growth of one crack as a generator of steps, each one solve and the block that follows."""
+"""The growth of one crack as a generator of steps, each a block that its solves bear out."""
 
 import math
 from collections import Counter
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from mpi4py import MPI
@@ -20,6 +20,7 @@ from pearlite_petsc.fatigue.loose import LooseClusters
 from pearlite_petsc.fatigue.outcome import GrowthState, Outcome, StopReason
 from pearlite_petsc.growth.blocks import Blocks
 from pearlite_petsc.growth.checkpoint import Checkpoint
+from pearlite_petsc.growth.coupling import Coupling
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.growth.first_domain import first_domain
 from pearlite_petsc.growth.first_rank import on_first
@@ -30,6 +31,8 @@ from pearlite_petsc.scene import Kind, Scene, State
 from pearlite_petsc.tessellation.build import tessellate
 from pearlite_petsc.tessellation.mesh import Mesh
 from pearlite_petsc.tessellation.zone import FineZone
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,16 +105,13 @@ class CrackGrowth:
         """
         stop = None
         while stop is None:
-            if self._follower.is_near_coarse(self.comm, self._front()):
-                self._replace_mesh()
-            if self._see() or self._blocks.advance(self._solve):
-                stop = self._take_breaks()
-            else:
-                stop = StopReason.ARRESTED
-            # No equilibrium need exist where the crack has cut through to the window's edge.
-            whole = stop is not None and stop is not StopReason.BOUNDARY
-            if whole and self._blocks.is_provisional and self._see():
-                self._take_breaks()
+            with self._errors_say_where():
+                if self._follower.is_near_coarse(self.comm, self._front()):
+                    self._replace_mesh()
+                if not self._blocks.is_solved:
+                    self._blocks.see(self._solve(self.domain.damage))
+                goes_on = self._blocks.advance(self._solve, self._cuts_through)
+                stop = self._take_breaks() if goes_on else StopReason.ARRESTED
             yield Step(self.cycles, self._tracker.tip[0], self.solves, stop)
 
     def grown(self) -> Outcome | None:
@@ -201,6 +201,9 @@ class CrackGrowth:
             "failure_cycles": domain.failure_cycles,
             "set_up_damage": solver["set_up_damage"],
         }
+        factored, coupling = self._coupling.memory()
+        if factored is not None:
+            by_interface["coupling_damage"] = factored
         arrays: dict[str, NDArray[Any]] = dict(domain.gather_all(by_interface))
         solutions = self.comm.gather(solver["solution"])
         if solutions is None:
@@ -213,6 +216,7 @@ class CrackGrowth:
             "zone_boxes": follower.zone.boxes,
             "zone_discs": follower.zone.discs,
             "kept": np.empty(0, np.int64) if follower.kept is None else follower.kept,
+            **coupling,
         }
         numbers = self._blocks.numbers() | {
             "solves": self.solves,
@@ -239,22 +243,25 @@ class CrackGrowth:
         damage, failure_cycles = arrays.get("damage"), arrays.get("failure_cycles")
         domain = Domain(self.comm, self.scene, mesh, ratio, damage, failure_cycles)
         self._enter(domain, numbers["cycles"])
-        names = self.comm.bcast([name for name in arrays if name.startswith(("memory_", "last_"))])
+        shared = ("memory_", "jump", "coupling_damage")
+        names = self.comm.bcast([name for name in arrays if name.startswith(shared)])
         shares = {name: domain.scatter(arrays.get(name)) for name in names}
         self._blocks.resume(numbers, shares)
+        if "coupling_damage" in shares:
+            self._coupling.recall(shares["coupling_damage"], small)
         solver = {
             "set_up_damage": domain.scatter(arrays.get("set_up_damage")),
             "solution": self.comm.bcast(arrays.get("solution"))[domain.own],
             "reuse": small["reuse"],
         }
         domain.equilibrium.recall(solver)
+        self._unknowns = domain.equilibrium.unknowns()
         domain.equilibrium.counters.clear()
         self._counters = Counter(counters)
 
     def _enter(self, domain: Domain, cycles: float) -> None:
         """Take up a domain: blocks, crack and clusters on its mesh. Collective."""
         self.domain = domain
-        self._blocks = Blocks(self.scene, self.state, domain, cycles)
         self._loaded_tip: tuple[float, float] | None = None
         damage = domain.gather(domain.damage)
         notch_tip = None if domain.mesh is None else _notch_tip(domain.mesh)
@@ -265,29 +272,39 @@ class CrackGrowth:
             chosen = np.flatnonzero(broken & ((kind == Kind.NOTCH) == notch))
             _, pairs, junctions, ends = domain.share_edges(chosen)
             self._tracker.add(pairs, junctions, ends, notch=notch)
-        if damage is not None:
-            self._broken = damage >= 1.0
-        self._loose = on_first(self.comm, lambda: LooseClusters(_known(domain.mesh), self._broken))
+        self._coupling = Coupling(domain, self._tracker, self._load_at)
+        self._blocks = Blocks(self.scene, self.state, domain, self._coupling, cycles)
+        self._loose = on_first(
+            self.comm, lambda: LooseClusters(_there(domain.mesh), _there(damage) >= 1.0)
+        )
 
-    def _solve(self, damage: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the effective stresses at a damage [MPa]; (k,) each. Collective."""
+    def _solve(self, damage: FloatArray) -> FloatArray:
+        """Return the jumps of this rank's interfaces at a damage; (k, 3). Collective."""
         tip = softening_tip(self.domain, self._tracker, self._blocks.released(damage))
         if tip != self._loaded_tip:
-            self._load = self.domain.load(self.delta_k, tip)
+            self._load = self._load_at(tip)
             self._loaded_tip = tip
-        with self._errors_say_where():
-            self.domain.equilibrium.update(damage)
-            self._unknowns = self.domain.equilibrium.solve(self._load)
+        self.domain.equilibrium.update(damage)
+        self._unknowns = self.domain.equilibrium.solve(self._load)
         self.solves += 1
-        return self.domain.stresses(self._unknowns)
+        return self.domain.equilibrium.jumps(self._unknowns)
 
-    def _see(self) -> bool:
-        """Solve, look back at the last block, and return whether that broke more. Collective."""
-        more = self._blocks.see(*self._solve(self.domain.damage))
-        before, after = self._blocks.revised
-        if self._history[-1][0] == before:
-            self._history[-1] = (after, *self._history[-1][1:])
-        return more
+    def _load_at(self, tip: tuple[float, float]) -> FloatArray:
+        return self.domain.load(self.delta_k, tip)
+
+    def _cuts_through(self, broken: IntArray) -> bool:
+        """Return whether breaks on trial bring the crack to the window's edge. Collective.
+
+        Raises:
+            SolverError: They cut off a cluster that carries boundary load.
+        """
+        numbers, pairs, junctions, ends = self.domain.share_edges(broken)
+        interfaces = zip(pairs.tolist(), junctions.tolist(), ends.tolist(), strict=True)
+        reached = self._tracker.reached_after(list(interfaces))
+        if self._follower.touches_boundary(reached):
+            return True
+        on_first(self.comm, lambda: _there(self._loose).attempt(numbers))
+        return False
 
     def _take_breaks(self) -> StopReason | None:
         """Take newly broken interfaces into the crack and say whether it has ended. Collective."""
@@ -300,9 +317,8 @@ class CrackGrowth:
             self._history.append(row)
         stop = self._reason_to_stop(reached)
         # A crack that has ended may have cut the window in two: its end, not an error.
-        if len(numbers) and stop is None:
-            with self._errors_say_where():
-                on_first(self.comm, lambda: self._find_loose(numbers))
+        if self._loose is not None and stop is not StopReason.BOUNDARY:
+            self._loose.take(numbers)
         return stop
 
     @contextmanager
@@ -312,12 +328,6 @@ class CrackGrowth:
         except SolverError as error:
             where = f"at N = {self.cycles:.6g} cycles, a = {self._tracker.tip[0]:.2f} um"
             raise SolverError(f"{where}: {error}") from error
-
-    def _find_loose(self, fresh: IntArray) -> None:
-        """Look for clusters that breaks have cut off; first rank only."""
-        if self._loose is not None:
-            self._broken[fresh] = True
-            self._loose.update(fresh, self._broken)
 
     def _reason_to_stop(self, reached: Sequence[tuple[float, float]]) -> StopReason | None:
         extension = self._tracker.tip[0] - self._start_length
@@ -350,46 +360,38 @@ class CrackGrowth:
         old, blocks = self.domain, self._blocks
         # Sorted, so that the fine zone does not depend on which rank found which point.
         front = np.unique(np.concatenate(self.comm.allgather(self._front())), axis=0)
-        local = {"damage": old.damage, "failure_cycles": old.failure_cycles}
-        last = {n: values for n, values in blocks.by_interface().items() if n.startswith("last_")}
-        gathered = old.gather_all(local | last)
+        gathered = old.gather_all({"damage": old.damage, "failure_cycles": old.failure_cycles})
         self._follower.move(front)
         mesh = on_first(self.comm, lambda: self._next_mesh(gathered["damage"]))
         ratio = None if self._prepared is None else self._prepared.ratio
         carried: dict[str, FloatArray] = {}
         if old.mesh is not None and mesh is not None:
             notch = (mesh.kind == Kind.NOTCH).astype(float)
-            unknown = {"failure_cycles": np.where(notch, 0.0, np.nan)}
-            unknown |= dict.fromkeys(("damage", "last_damage"), notch)
+            unknown = {"damage": notch, "failure_cycles": np.where(notch, 0.0, np.nan)}
             for name, values in gathered.items():
-                default = unknown.get(name, np.zeros(len(notch)))
-                carried[name] = carry_over(old.mesh, mesh, values, default)
+                carried[name] = carry_over(old.mesh, mesh, values, unknown[name])
         self._counters = self._all_counters()
         self.close()
         damage, failure_cycles = carried.get("damage"), carried.get("failure_cycles")
         domain = Domain(self.comm, self.scene, mesh, ratio, damage, failure_cycles)
         self._enter(domain, blocks.cycles)
-        self._blocks.resume(
-            blocks.numbers(), {name: self.domain.scatter(carried.get(name)) for name in last}
-        )
+        self._blocks.resume(blocks.numbers(), {})
         self.refinements += 1
 
     def _refined_mesh(self, kept: IntArray) -> Mesh:
         """Return the mesh of the restored zone; first rank only."""
-        assert self._prepared is not None
         self._follower.kept = kept
-        return tessellate(self._prepared.substrate, self._follower.zone, kept)
+        return tessellate(_there(self._prepared).substrate, self._follower.zone, kept)
 
     def _next_mesh(self, damage: FloatArray) -> Mesh:
         """Return the mesh of the moved zone; first rank only."""
-        assert self._prepared is not None and self.domain.mesh is not None
-        return self._follower.mesh(self._prepared.substrate, self.domain.mesh, damage)
+        substrate = _there(self._prepared).substrate
+        return self._follower.mesh(substrate, _there(self.domain.mesh), damage)
 
 
-def _known(mesh: Mesh | None) -> Mesh:
-    """Return the mesh, which the first rank has."""
-    assert mesh is not None
-    return mesh
+def _there(value: T | None) -> T:
+    assert value is not None
+    return value
 
 
 def _notch_tip(mesh: Mesh) -> tuple[tuple[float, float], int]:

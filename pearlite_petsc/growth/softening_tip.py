@@ -4,10 +4,8 @@ import numpy as np
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.fatigue.crack import CrackTracker, Point
+from pearlite_petsc.fatigue.softening import SOFTENING
 from pearlite_petsc.growth.domain import Domain
-
-SOFTENING = 0.02
-"""Share of its force from which an interface that lets go moves the load."""
 
 
 def softening_tip(domain: Domain, tracker: CrackTracker, released: FloatArray) -> Point:
@@ -18,17 +16,19 @@ def softening_tip(domain: Domain, tracker: CrackTracker, released: FloatArray) -
     then (window 200 um), and da/dN with the size of the elements. Collective.
 
     Args:
-        domain: The mesh.
+        domain: The mesh; what is broken there belongs to the crack.
         tracker: The crack.
-        released: Share of its force that each interface has let go, 1 where broken; (k,).
+        released: Share of its force that each interface has let go, 1 where broken, by itself or on
+            trial; (k,).
     """
     part, tip = domain.part, tracker.tip
-    candidates = np.flatnonzero((released > SOFTENING) & (released < 1.0) & domain.owned)
+    candidates = np.flatnonzero((released > SOFTENING) & (domain.damage < 1.0) & domain.owned)
     best: tuple[float, int, Point] = (0.0, 0, tip)
     pairs = part.numbers[part.pairs[candidates]].tolist()
     junctions, ends = part.junctions[candidates].tolist(), part.ends[candidates].tolist()
-    for number, *interface in zip(candidates.tolist(), pairs, junctions, ends, strict=True):
-        x, y = tracker.tip_after(*interface)
+    interfaces = zip(pairs, junctions, ends, strict=True)
+    for number, interface in zip(candidates.tolist(), interfaces, strict=True):
+        x, y = tracker.tip_after(interface)
         share = float(released[number])
         gain = share * (x - tip[0])
         point = tip[0] + gain, tip[1] + share * (y - tip[1])

@@ -11,12 +11,14 @@ from pearlite_petsc.mechanics.kinematics import jumps
 from pearlite_petsc.scene import Solver
 from pearlite_petsc.solver.ghosts import GhostExchange
 from pearlite_petsc.solver.krylov import (
+    COMPLIANCE_PREFIX,
     FALLBACK_PREFIX,
     PREFIX,
     direct_settings,
     factor_settings,
     make_solver,
     multigrid_settings,
+    repeatable_factor_settings,
     setup_cost,
     stage,
 )
@@ -36,6 +38,7 @@ class Equilibrium:
     iterations and not seconds, so that a run repeats itself bit for bit.
 
     Attributes:
+        matrix: K of the current damage.
         counters: iterations, solves, setups; multigrid (instead of factors that failed), refreshed
             and direct (fallbacks).
         set_up_damage: Damage that the preconditioner was made for; (k,).
@@ -60,10 +63,10 @@ class Equilibrium:
         self.counters: Counter[str] = Counter()
         self.operator = part.jump_operator()
         with stage("assemble"):
-            self._matrix = StiffnessMatrix(comm, part, self.operator, damage)
+            self.matrix = StiffnessMatrix(comm, part, self.operator, damage)
         self._damage = damage
         self._comm = comm
-        self._x, self._b = self._matrix.mat.createVecs()
+        self._x, self._b = self.matrix.mat.createVecs()
         self._ghosts = GhostExchange(self._x, part)
         self._ksp: PETSc.KSP | None = None
         self._first_ksp: PETSc.KSP | None = None
@@ -84,18 +87,18 @@ class Equilibrium:
         self._ghosts.close()
         self._x.destroy()
         self._b.destroy()
-        self._matrix.__exit__()
+        self.matrix.__exit__()
 
     @property
     def mat(self) -> PETSc.Mat:
         """The matrix."""
-        return self._matrix.mat
+        return self.matrix.mat
 
     def update(self, damage: FloatArray) -> None:
         """Take the damage of the part's interfaces; shape (k,), not changed afterwards."""
         self._damage = damage
         with stage("assemble"):
-            self._matrix.update(damage)
+            self.matrix.update(damage)
 
     def solve(self, load: FloatArray, guess: FloatArray | None = None) -> FloatArray:
         """Return the unknowns in equilibrium with the load.
@@ -122,7 +125,7 @@ class Equilibrium:
             self._solve_direct(self._ksp)
         else:
             self._solve_iterative()
-        return self._ghosts.values(self._x)
+        return self.unknowns()
 
     def restart(self) -> None:
         """Go back to the damage and preconditioner of the start and to a zero guess. Collective.
@@ -157,6 +160,27 @@ class Equilibrium:
         first, self._excess, fresh = memory["reuse"].tolist()
         self._first_iterations, self._fresh = int(first), bool(fresh)
 
+    def factors(self) -> PETSc.PC:
+        """Return factors of the matrix as it is, the caller's to destroy. Collective."""
+        if self._comm.size == 1 and self._ksp is not None and self.set_up_damage is self._damage:
+            pc = self._ksp.getPC()
+            if pc.getType() == PETSc.PC.Type.CHOLESKY:
+                return pc
+        settings = repeatable_factor_settings(self._comm.size, 3 * self.part.total)
+        with stage("setup"):
+            ksp = make_solver(self.matrix, settings, 0.5, COMPLIANCE_PREFIX)
+        pc = ksp.getPC()
+        ksp.destroy()
+        return pc
+
+    def values(self, vector: PETSc.Vec) -> FloatArray:
+        """Return a vector's values on own elements and ghosts; shape (own + g, 3). Collective."""
+        return self._ghosts.values(vector)
+
+    def unknowns(self) -> FloatArray:
+        """Return the last solution on own elements and ghosts [um]; (own + g, 3). Collective."""
+        return self.values(self._x)
+
     def jumps(self, unknowns: FloatArray) -> FloatArray:
         """Return (normal, tangential, rotational) jump of each interface of the part; (k, 3)."""
         i, j = self.part.pairs.T
@@ -167,16 +191,14 @@ class Equilibrium:
         tolerance = self.settings.relative_tolerance
         with stage("setup"):
             if direct:
-                return make_solver(
-                    self._matrix, direct_settings(self._comm.size), tolerance, prefix
-                )
+                return make_solver(self.matrix, direct_settings(self._comm.size), tolerance, prefix)
             if self.settings.method == "factors":
                 settings = factor_settings(self._comm.size, 3 * self.part.total)
                 try:
-                    return make_solver(self._matrix, settings, tolerance, prefix)
+                    return make_solver(self.matrix, settings, tolerance, prefix)
                 except SolverError:
                     self.counters["multigrid"] += 1
-            return make_solver(self._matrix, multigrid_settings(), tolerance, prefix)
+            return make_solver(self.matrix, multigrid_settings(), tolerance, prefix)
 
     def _set_up(self) -> None:
         """Make the preconditioner (or factors) of the current values.

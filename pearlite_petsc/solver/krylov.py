@@ -10,6 +10,7 @@ from pearlite_petsc.solver.petsc import PETSc
 
 PREFIX = "pearlite_"
 FALLBACK_PREFIX = "pearlite_direct_"
+COMPLIANCE_PREFIX = "pearlite_compliance_"
 
 CG = {"ksp_type": "cg", "ksp_norm_type": "unpreconditioned", "ksp_max_it": "400"}
 
@@ -60,6 +61,24 @@ def factor_settings(ranks: int, unknowns: int) -> dict[str, str]:
     return {**direct_settings(ranks), **CG, "mat_mumps_icntl_7": "0"}
 
 
+def repeatable_factor_settings(ranks: int, unknowns: int) -> dict[str, str]:
+    """Return the options of factors whose solutions are the same bit for bit at every call.
+
+    MUMPS on several ranks takes messages as they come and does not repeat itself: there the first
+    rank factors alone.
+
+    Args:
+        ranks: Of the group.
+        unknowns: Of the matrix.
+    """
+    settings = factor_settings(1, unknowns) | {"ksp_type": "preonly"}
+    if ranks == 1:
+        return settings
+    gathered = {f"telescope_{name}": value for name, value in settings.items()}
+    telescope = {"pc_type": "telescope", "pc_telescope_reduction_factor": str(ranks)}
+    return {"ksp_type": "preonly", **telescope, **gathered}
+
+
 def direct_settings(ranks: int) -> dict[str, str]:
     """Return the options of a direct solver: MUMPS where PETSc has it, else PETSc's Cholesky.
 
@@ -106,8 +125,8 @@ def make_solver(
 
     Args:
         matrix: The matrix.
-        settings: Options by name; plain options of the user win over them unless the prefix is
-            that of the fallback.
+        settings: Options by name; plain options of the user win over them where the prefix is
+            the main solver's.
         relative_tolerance: Of the unpreconditioned residual.
         prefix: Of the options.
 
@@ -122,7 +141,7 @@ def make_solver(
     ksp.setOperators(mat)
     ksp.setTolerances(rtol=relative_tolerance)
     with (
-        prefixed_options(prefix, settings, plain=prefix != FALLBACK_PREFIX),
+        prefixed_options(prefix, settings, plain=prefix == PREFIX),
         default_options(products | PLAIN_ROWS),
     ):
         try:

@@ -58,7 +58,7 @@ def damage(setting: Setting) -> Section:
             statement = f"{name}, {method}: order of the life's error in the step"
             section.close(statement, LAW, order, fitted, 0.3)
         section.below(
-            f"{name}, compliance with its look back, step {STEPS[-1]:g}: error of the life",
+            f"{name}, compliance, step {STEPS[-1]:g}: error of the life",
             LAW,
             by_method["compliance"][-1],
             2e-5,
@@ -74,7 +74,7 @@ def damage(setting: Setting) -> Section:
     )
     for name, case in CASES.items():
         section.below(
-            f"{name}, compliance with its look back, one block to failure: error of the life",
+            f"{name}, compliance, one block to failure: error of the life",
             LAW,
             abs(case.jumped_life("compliance", 1.0) / case.exact_life() - 1.0),
             0.01,
@@ -130,7 +130,7 @@ def _threshold(section: Section) -> None:
     above = SeriesSpring(1.05 * THRESHOLD, 0.0, 0.7)
     life = above.exact_life()
     section.close(
-        "5 % above the threshold, compliance with its look back, one block to failure: life",
+        "5 % above the threshold, compliance, one block to failure: life",
         LAW,
         1.0,
         above.jumped_life("compliance", 1.0) / life,

@@ -6,9 +6,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from pearlite_petsc.arrays import FloatArray
-from pearlite_petsc.fatigue.cycle_jump import Block, Drive, RateCurve, exponent
+from pearlite_petsc.fatigue.cycle_jump import Block, Drive, RateCurve, exponent, next_release
 from pearlite_petsc.fatigue.damage import DamageLaw, damage_law
-from pearlite_petsc.fatigue.look_back import course_of, leading_share
+from pearlite_petsc.fatigue.softening import Softening, course_of
 from pearlite_petsc.mechanics.lefm import TIP_FACTOR
 from pearlite_petsc.scene import Kind, State
 from pearlite_petsc.verification.cases import DAMAGE, STATES
@@ -18,8 +18,8 @@ STEEL_STATE = STATES["undeformed"]
 THRESHOLD = TIP_FACTOR * STEEL_STATE.delta_k_th / np.sqrt(LENGTH)
 """Threshold stress of the interface [MPa]."""
 
-FIRST_GUESS = {"euler": 0.0, "exponential": 3.0, "compliance": 0.6}
-"""lambda or g of the first block, before anything is known."""
+FIRST_GUESS = 3.0
+"""lambda of the first block, before anything is known."""
 
 _MOST_BLOCKS = 100_000
 
@@ -83,45 +83,54 @@ class SeriesSpring:
         return float(solution.y[0, -1])
 
     def jumped_life(self, method: RateCurve, delta_d: float) -> float:
-        """Return the cycles to failure by the program's blocks, infinite where it arrests.
-
-        As the growth of a crack does, ``compliance`` looks back at each block from the solve after
-        it.
-        """
+        """Return the cycles to failure by the program's blocks, infinite where it arrests."""
         damage = np.zeros(1)
-        cycles, sensitivity = 0.0, FIRST_GUESS[method]
+        cycles, sensitivity = 0.0, FIRST_GUESS
         last: Drive | None = None
         for _ in range(_MOST_BLOCKS):
             drive = self.drive(damage)
-            if method == "exponential" and last is not None:
-                sensitivity = self._exponent(last, drive, sensitivity)
-            last = drive.with_sensitivity(np.array([sensitivity]))
-            block = Block(last, delta_d, method)
-            if not np.isfinite(block.longest):
-                return float("inf")
-            damage = block.damage_after(block.longest)
-            spent = block.longest
             if method == "compliance":
-                sensitivity, spent = self._looked_back(drive, float(damage[0]))
+                course = course_of(self._softening(drive, delta_d))
+                if course.first is None:
+                    return float("inf")
+                damage, spent = course.damage[-1], float(course.cycles[-1])
+            else:
+                if method == "exponential" and last is not None:
+                    sensitivity = self._exponent(last, drive, sensitivity)
+                last = drive.with_sensitivity(np.array([sensitivity]))
+                block = Block(last, delta_d, method)
+                spent = block.longest
+                if not np.isfinite(spent):
+                    return float("inf")
+                damage = block.damage_after(spent)
             cycles += spent
-            if damage[0] >= 1.0:
+            if damage[0] >= self.failure:
                 return cycles
         return float("inf")
+
+    def _softening(self, drive: Drive, delta_d: float) -> Softening:
+        """Return the interface and what the spring makes of its compliance, k_0 = 1 MPa/um."""
+        damage, share = drive.damage, np.array([self.share])
+        return Softening(
+            damage=damage,
+            limit=next_release(drive.with_sensitivity(share), delta_d),
+            jump=np.stack([drive.normal, drive.shear, np.zeros(1)], axis=1),
+            constants=np.ones((1, 3)),
+            springs=np.ones((1, 2)),
+            compliance=np.eye(3) * share / (1.0 - share * damage),
+            law=drive.law,
+            nominal=self.nominal,
+            share=share,
+            advance=np.zeros((1, 2)),
+            centre=np.zeros(2),
+            pull=np.zeros((1, 3, 2)),
+            residual=np.zeros((1, 3)),
+        )
 
     def _exponent(self, last: Drive, drive: Drive, known: float) -> float:
         rates = drive.rate_at(drive.damage), last.rate_at(last.damage)
         found = float(exponent(*rates, drive.damage, last.damage)[0])
         return known if np.isnan(found) else found
-
-    def _looked_back(self, start: Drive, damage_end: float) -> tuple[float, float]:
-        """Return g and a block's cycles from the stresses at its start and its end."""
-        end = self.drive(np.array([damage_end]))
-        before, after = (
-            float(np.hypot(max(drive.normal[0], 0.0), drive.shear[0])) for drive in (start, end)
-        )
-        share = leading_share(before, after, float(start.damage[0]), damage_end)
-        course = course_of(start.take(np.array([0])), share, min(damage_end, self.failure))
-        return share, float(course.cycles[-1])
 
     def known_share(self) -> Drive:
         """Return the intact drive of a program that has learned g already."""

@@ -112,7 +112,7 @@ def test_the_tip_after_a_break_is_foreseen(seed: int) -> None:
         junctions = MESH.junction[MESH.interface_vertices[interface]].tolist()
         ends = MESH.vertices[MESH.interface_vertices[interface]].tolist()
         before = tracker.tip
-        foreseen = tracker.tip_after(MESH.interface_elements[interface].tolist(), junctions, ends)
+        foreseen = tracker.tip_after((MESH.interface_elements[interface].tolist(), junctions, ends))
         assert tracker.tip == before
         add(tracker, MESH, [interface])
         assert tracker.tip == foreseen

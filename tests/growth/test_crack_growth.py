@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from pearlite_petsc.benchmarks.cracks import SAME_PATH, common_share
 from pearlite_petsc.config import load_scene_text
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
 from pearlite_petsc.growth.checkpoint import Checkpoint
@@ -96,14 +97,15 @@ def test_without_a_threshold_twice_the_load_grows_the_same_crack_eight_times_as_
     assert twice.da_dn / once.da_dn == pytest.approx(8.0, rel=1e-6)
 
 
-def test_looking_back_makes_one_block_a_break_nearly_as_good_as_fifty() -> None:
-    exact = grow(small_scene(cycle_jump={"method": "compliance", "delta_d": 0.02}), "severe_AT")
-    once = grow(small_scene(), "severe_AT")
-    euler = grow(small_scene(cycle_jump={"method": "euler", "delta_d": 0.1}), "severe_AT")
-    assert once.solves < euler.solves / 3
-    error = abs(once.cycles / exact.cycles - 1.0)
-    assert error < 0.06
-    assert error < abs(euler.cycles / exact.cycles - 1.0)
+@pytest.mark.parametrize("state", ["undeformed", "severe_AT", "moderate_TA"])
+def test_one_block_a_break_is_as_good_as_fifty_of_another_method(state: str) -> None:
+    # Exponential blocks know nothing of what couples the interfaces.
+    exact = grow(small_scene(cycle_jump={"method": "exponential", "delta_d": 0.02}), state)
+    once = grow(small_scene(), state)
+    assert once.solves < 1.5 * len(once.broken_pairs)
+    assert exact.solves > 20 * once.solves
+    assert common_share(once, exact) >= SAME_PATH
+    assert once.cycles == pytest.approx(exact.cycles, rel=0.04)
 
 
 @pytest.mark.parametrize(
@@ -142,8 +144,8 @@ def test_crack_that_grew_and_stands_still_has_no_growth_rate() -> None:
 def test_task_stops_at_its_limit_of_solves() -> None:
     outcome = grow(small_scene(solver={"max_solves": 5}))
     assert outcome.stop_reason is StopReason.MAX_SOLVES
-    # One more solve shows where the last block went.
-    assert outcome.solves in (5, 6)
+    # A block goes on until its end is borne out.
+    assert outcome.solves in (5, 6, 7)
 
 
 def test_crack_that_leaves_a_corridor_says_so() -> None:

@@ -1,0 +1,196 @@
+"""Which interfaces soften together in a block, and what couples them."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from mpi4py import MPI
+
+from pearlite_petsc.arrays import FloatArray, IntArray
+from pearlite_petsc.fatigue.crack import CrackTracker, Point
+from pearlite_petsc.fatigue.cycle_jump import Drive, released
+from pearlite_petsc.fatigue.damage import DamageLaw
+from pearlite_petsc.fatigue.softening import Softening, load_centre
+from pearlite_petsc.growth.domain import Domain
+from pearlite_petsc.solver.compliance import Compliance
+
+LEAST_GAIN, MOST_COUPLED = 0.02, 12
+"""Damage that an interface gains in a block from which it counts as softening, and how many do."""
+
+CHANGED = 0.02
+"""Change of damage from which the compliance of the others has to know of an interface."""
+
+MOST_TAKEN = 60
+"""Interfaces of one set of factors; then new factors are cheaper."""
+
+_PULL = 1.0
+"""Length over which the load is moved to see what that does [um]."""
+
+
+class Coupling:
+    """Knows the mutual compliance of the interfaces at the crack's front. Collective.
+
+    Args:
+        domain: The mesh.
+        tracker: The crack.
+        load: Load on own elements for a crack's tip; (own, 3).
+    """
+
+    def __init__(
+        self, domain: Domain, tracker: CrackTracker, load: Callable[[Point], FloatArray]
+    ) -> None:
+        self._domain, self._tracker, self._load = domain, tracker, load
+        self._constants = domain.part.spring_constants()
+        self._pull: FloatArray | None = None
+        self._pull_tip = tracker.tip
+
+    def front(self, gain: FloatArray) -> IntArray:
+        """Return the global numbers of the interfaces that will soften, ascending. Collective.
+
+        Args:
+            gain: Damage that each interface of this rank will gain in the block; (k,).
+        """
+        domain = self._domain
+        chosen = np.flatnonzero((gain > LEAST_GAIN) & domain.owned)
+        mine = np.stack([-gain[chosen], domain.part.interface[chosen]], axis=1)
+        found = np.concatenate(domain.comm.allgather(mine))
+        most = found[np.lexsort(found.T[::-1])[:MOST_COUPLED], 1]
+        return np.sort(most.astype(np.int64))
+
+    def of_front(self, numbers: IntArray, values: FloatArray) -> FloatArray:
+        """Return values of some interfaces on all ranks, each from its owner. Collective.
+
+        Args:
+            numbers: Global numbers; (a,).
+            values: Of this rank's interfaces; (k, ...).
+        """
+        row, place = self._places(numbers)
+        mine = self._domain.owned[place]
+        found = np.zeros((len(numbers), *values.shape[1:]))
+        found[row[mine]] = values[place[mine]]
+        self._domain.comm.Allreduce(MPI.IN_PLACE, found)
+        return found
+
+    def with_front(self, numbers: IntArray, values: FloatArray, front: FloatArray) -> FloatArray:
+        """Return values of this rank's interfaces with some of them replaced; (k, ...).
+
+        Args:
+            numbers: Global numbers of those; (a,).
+            values: Of this rank's interfaces; (k, ...).
+            front: New values; (a, ...).
+        """
+        row, place = self._places(numbers)
+        result = values.copy()
+        result[place] = front[row]
+        return result
+
+    def _places(self, numbers: IntArray) -> tuple[IntArray, IntArray]:
+        """Return which of some interfaces this rank has, and their local numbers."""
+        interface = self._domain.part.interface
+        place = np.minimum(np.searchsorted(interface, numbers), len(interface) - 1)
+        row = np.flatnonzero(interface[place] == numbers)
+        return row, place[row]
+
+    def softening(
+        self,
+        numbers: IntArray,
+        drive: Drive,
+        jump: FloatArray,
+        share: FloatArray,
+        limit: FloatArray,
+    ) -> Softening:
+        """Return the interfaces at the start of a block, the same on all ranks.
+
+        Args:
+            numbers: Their global numbers, ascending; (a,).
+            drive: Of this rank's interfaces; (k,).
+            jump: Likewise [um, um, rad]; (k, 3).
+            share: g of each alone; (k,).
+            limit: D at which the block ends; (k,).
+        """
+        compliance, pull = self._compliance(numbers, drive.damage)
+        stiffness = self._domain.part.stiffness
+        columns = [
+            drive.damage,
+            limit,
+            share,
+            drive.law.factor,
+            drive.law.threshold,
+            *jump.T,
+            *self._constants.T,
+            stiffness.k_n,
+            stiffness.k_t,
+        ]
+        _, place = self._places(numbers)
+        advance = np.zeros((len(drive.damage), 2))
+        for number in place[self._domain.owned[place]]:
+            advance[number] = self._advance(number)
+        table = self.of_front(numbers, np.column_stack([*columns, advance]))
+        damage, limit, share, factor, threshold = table[:, :5].T
+        return Softening(
+            damage=damage,
+            limit=limit,
+            jump=table[:, 5:8],
+            constants=table[:, 8:11],
+            springs=table[:, 11:13],
+            compliance=compliance,
+            law=DamageLaw(factor, threshold, drive.law.beta),
+            nominal=drive.nominal,
+            share=share,
+            advance=table[:, 13:15],
+            centre=load_centre(released(damage, share), table[:, 13:15]),
+            pull=pull,
+            residual=np.zeros((len(numbers), 3)),
+        )
+
+    def memory(self) -> tuple[FloatArray | None, dict[str, FloatArray]]:
+        """Return what going on needs: the damage of the factors (k,) if any, and small arrays."""
+        known = self._domain.known_compliance
+        taken = np.empty(0) if known is None else known.taken.astype(float)
+        small = {"coupling_taken": taken, "coupling_tip": np.array(self._pull_tip)}
+        return (None if known is None else known.set_up_damage), small
+
+    def recall(self, set_up_damage: FloatArray, small: Mapping[str, FloatArray]) -> None:
+        """Go on from what ``memory`` returned. Collective."""
+        compliance = self._domain.compliance(set_up_damage)
+        compliance.take(small["coupling_taken"].astype(np.int64))
+        x, y = small["coupling_tip"].tolist()
+        self._pull_tip = x, y
+        self._pull = self._pulls(compliance)
+
+    def _compliance(self, numbers: IntArray, damage: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return C (3 a, 3 a) and the pull of the load (a, 3, 2) at the damage of now. Collective."""
+        compliance = self._domain.compliance()
+        wanted = np.union1d(numbers, self._changed(compliance, damage))
+        if len(np.union1d(compliance.taken, wanted)) > MOST_TAKEN and len(compliance.taken):
+            self._domain.drop_compliance()
+            self._pull = None
+            compliance, wanted = self._domain.compliance(), numbers
+        compliance.take(wanted)
+        if self._pull is None:
+            self._pull_tip = self._tracker.tip
+            self._pull = self._pulls(compliance)
+        return compliance.now(numbers, damage, self._pull)
+
+    def _changed(self, compliance: Compliance, damage: FloatArray) -> IntArray:
+        """Return the global numbers of all that softened since the factors were made. Collective."""
+        domain = self._domain
+        far = np.abs(damage - compliance.set_up_damage) > CHANGED
+        mine = domain.part.interface[far & domain.owned]
+        return np.asarray(np.concatenate(domain.comm.allgather(mine)))
+
+    def _pulls(self, compliance: Compliance) -> FloatArray:
+        x, y = self._pull_tip
+        # Central differences, or a mirrored body would not be one.
+        half = 0.5 * _PULL
+        ahead = self._load((x + half, y)), self._load((x, y + half))
+        behind = self._load((x - half, y)), self._load((x, y - half))
+        moved = zip(ahead, behind, strict=True)
+        return compliance.response([(there - here) / _PULL for there, here in moved])
+
+    def _advance(self, place: int) -> tuple[float, float]:
+        """Return how far the tip would go if an interface broke [um]."""
+        part = self._domain.part
+        elements = part.numbers[part.pairs[place]].tolist()
+        junctions, ends = part.junctions[place].tolist(), part.ends[place].tolist()
+        x, y = self._tracker.tip_after((elements, junctions, ends))
+        return x - self._tracker.tip[0], y - self._tracker.tip[1]
