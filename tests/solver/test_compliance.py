@@ -1,0 +1,96 @@
+"""The compliance of a few interfaces against dense algebra, at damages the factors do not know."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from scipy.sparse import csr_array
+
+from pearlite_petsc.growth.domain import Domain
+from pearlite_petsc.growth.prepared import prepare_growth
+from pearlite_petsc.scene import Kind
+from tests.scenes import STATES, default_scene
+
+SCENE = default_scene(
+    window={"width": 60.0, "height": 60.0, "notch": 25.0}, elements={"width": 3.0, "length": 6.0}
+)
+PREPARED = prepare_growth(SCENE, STATES["undeformed"], 0)
+
+
+def domain_of(method: str = "iterative") -> Domain:
+    solver = replace(SCENE.solver, method=method)  # type: ignore[arg-type]
+    return Domain(MPI.COMM_SELF, replace(SCENE, solver=solver), PREPARED.mesh, PREPARED.ratio)
+
+
+def near_the_notch(domain: Domain, count: int) -> np.ndarray:
+    gap = np.hypot(*(domain.part.midpoint - PREPARED.mesh.notch).T)
+    gap[domain.part.kind == Kind.NOTCH] = np.inf
+    return np.sort(np.argsort(gap)[:count])
+
+
+def dense(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
+    """Return the matrix of now and the rows B of all interfaces."""
+    part, operator = domain.part, domain.equilibrium.operator
+    rows = np.zeros((len(operator), 3, 3 * part.own))
+    for number, pair in enumerate(part.pairs):
+        rows[number][:, (3 * pair[:, None] + np.arange(3)).ravel()] = operator[number]
+    offsets, columns, values = domain.equilibrium.mat.getValuesCSR()
+    return csr_array((values, columns, offsets)).toarray(), rows
+
+
+@pytest.mark.parametrize("method", ["iterative", "factors"])
+def test_compliance_and_response_are_those_of_dense_algebra(method: str) -> None:
+    domain = domain_of(method)
+    chosen = near_the_notch(domain, 6)
+    compliance = domain.compliance()
+    compliance.take(chosen[[1, 3]])
+    compliance.take(chosen)
+    assert sorted(compliance.taken.tolist()) == chosen.tolist()
+    assert compliance.taken[:2].tolist() == chosen[[1, 3]].tolist()
+    damage = domain.damage.copy()
+    damage[chosen] = [1.0, 0.6, 0.0, 0.3, 0.9, 0.05]
+    load = domain.load(12e3, PREPARED.mesh.notch)
+    response = compliance.response([load])
+    found, pulled = compliance.now(chosen[1:4], damage, response)
+    domain.equilibrium.update(damage)
+    matrix, rows = dense(domain)
+    some = rows[chosen[1:4]].reshape(9, -1)
+    exact = some @ np.linalg.solve(matrix, some.T)
+    assert np.abs(found - exact).max() < 1e-7 * np.abs(exact).max()
+    assert np.array_equal(found.shape, (9, 9))
+    scaled = load.copy()
+    scaled[:, 2] /= domain.part.rotation
+    jumps = (some @ np.linalg.solve(matrix, scaled.ravel())).reshape(3, 3)
+    assert np.abs(pulled[:, :, 0] - jumps).max() < 1e-6 * np.abs(jumps).max()
+    domain.close()
+
+
+def test_what_is_taken_at_once_or_one_by_one_has_the_same_bits() -> None:
+    domain = domain_of()
+    chosen = near_the_notch(domain, 5)
+    compliance = domain.compliance()
+    empty = np.empty((len(domain.damage), 3, 0))
+    compliance.take(chosen)
+    at_once, _ = compliance.now(chosen, domain.damage, empty)
+    compliance.forget()
+    for number in chosen:
+        compliance.take(np.array([number]))
+    one_by_one, _ = compliance.now(chosen, domain.damage, empty)
+    assert np.array_equal(at_once, one_by_one)
+    assert np.abs(at_once - at_once.T).max() < 1e-9 * np.abs(at_once).max()
+    domain.close()
+
+
+def test_a_restarted_domain_keeps_factors_of_its_start_alone() -> None:
+    domain = Domain(MPI.COMM_SELF, SCENE, PREPARED.mesh, PREPARED.ratio, keep_first=True)
+    first = domain.compliance()
+    first.take(near_the_notch(domain, 2))
+    domain.restart()
+    assert domain.compliance() is first and not len(first.taken)
+    domain.drop_compliance()
+    domain.damage = np.where(domain.part.kind == Kind.NOTCH, 1.0, 0.1)
+    domain.compliance()
+    domain.restart()
+    assert domain.known_compliance is None
+    domain.close()
