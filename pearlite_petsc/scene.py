@@ -123,11 +123,12 @@ class CycleJump:
 
 @dataclass(frozen=True, slots=True)
 class Solver:
-    """Linear solver: "iterative" (CG + GAMG), "factors" (CG + old factors) or "direct"; relative
+    """Linear solver: CG with GAMG ("iterative") or old factors ("factors"), "auto" by the size of
+    the matrix, or "direct"; relative
     tolerance; limit of solves a task.
     """
 
-    method: Literal["iterative", "factors", "direct"]
+    method: Literal["auto", "iterative", "factors", "direct"]
     relative_tolerance: float
     max_solves: int
 

@@ -31,6 +31,7 @@ BASELINE = (
     "elements.refinement=uniform",
     "cycle_jump.method=euler",
     "cycle_jump.delta_d=0.1",
+    "solver.method=iterative",
 )
 NO_PICTURES = ("output.figures=false", 'output.fields="none"')
 MOST_SECONDS, LEAST_EFFICIENCY, LEAST_RATIO, MOST_SOLVES = 60.0, 0.9, 30.0, 1.5

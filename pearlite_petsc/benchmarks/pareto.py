@@ -54,7 +54,7 @@ ALONE: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "corridor 30": ("elements.refinement=corridor",),
     },
     "solver": {
-        "factors": ("solver.method=factors",),
+        "GAMG": ("solver.method=iterative",),
         "direct": ("solver.method=direct",),
         "tolerance 1e-6": ("solver.relative_tolerance=1e-6",),
         "tolerance 1e-4": ("solver.relative_tolerance=1e-4",),

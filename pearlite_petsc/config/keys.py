@@ -299,7 +299,8 @@ TABLES: tuple[Table, ...] = (
         (
             _word(
                 "method",
-                '"iterative" (CG + GAMG), "factors" (CG + old factors), "direct"',
+                'CG with "factors" (of an earlier matrix) or GAMG ("iterative"), "auto" by size, or "direct"',
+                "auto",
                 "iterative",
                 "factors",
                 "direct",

@@ -59,6 +59,7 @@ class Compliance:
         new = numbers[~np.isin(numbers, self.taken)]
         if not len(new):
             return
+        self._equilibrium.counters["unit_loads"] += 3 * len(new)
         before = 3 * len(self.taken)
         self.taken = np.concatenate([self.taken, new])
         self._local = self._own_places(self.taken)

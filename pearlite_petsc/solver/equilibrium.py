@@ -17,6 +17,7 @@ from pearlite_petsc.solver.krylov import (
     direct_settings,
     factor_settings,
     make_solver,
+    method_of,
     multigrid_settings,
     repeatable_factor_settings,
     setup_cost,
@@ -40,7 +41,7 @@ class Equilibrium:
     Attributes:
         matrix: K of the current damage.
         counters: iterations, solves, setups; multigrid (instead of factors that failed), refreshed
-            and direct (fallbacks).
+            and direct (fallbacks); unit_loads (back-substitutions for the compliance of interfaces).
         set_up_damage: Damage that the preconditioner was made for; (k,).
 
     Args:
@@ -60,6 +61,7 @@ class Equilibrium:
         keep_first: bool = False,
     ) -> None:
         self.part, self.settings = part, settings
+        self._method = method_of(settings, comm.size, 3 * part.total)
         self.counters: Counter[str] = Counter()
         self.operator = part.jump_operator()
         with stage("assemble"):
@@ -119,7 +121,7 @@ class Equilibrium:
         if guess is not None:
             self._x.setArray(guess[: self.part.own].ravel())
         self.counters["solves"] += 1
-        if self.settings.method == "direct":
+        if self._method == "direct":
             if self.set_up_damage is not self._damage:
                 self._set_up()
             self._solve_direct(self._ksp)
@@ -192,7 +194,7 @@ class Equilibrium:
         with stage("setup"):
             if direct:
                 return make_solver(self.matrix, direct_settings(self._comm.size), tolerance, prefix)
-            if self.settings.method == "factors":
+            if self._method == "factors":
                 settings = factor_settings(self._comm.size, 3 * self.part.total)
                 try:
                     return make_solver(self.matrix, settings, tolerance, prefix)
@@ -206,7 +208,7 @@ class Equilibrium:
         A new solver each time: what GAMG would keep of the last one (its random vectors) must not
         decide what a restarted run computes.
         """
-        self._take_up(self._make_ksp(self.settings.method == "direct"))
+        self._take_up(self._make_ksp(self._method == "direct"))
 
     def _take_up(self, ksp: PETSc.KSP) -> None:
         """Solve with this preconditioner, which was made for the current damage, from now on."""

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from pearlite_petsc.errors import SolverError
+from pearlite_petsc.scene import Solver
 from pearlite_petsc.solver.matrix import PLAIN_ROWS, StiffnessMatrix
 from pearlite_petsc.solver.options import default_options, prefixed_options
 from pearlite_petsc.solver.petsc import PETSc
@@ -33,8 +34,26 @@ MULTIGRID = {
 MOST_CHOLMOD = 2e5
 """Unknowns up to which factors of CHOLMOD are cheaper than those of MUMPS on one rank."""
 
+MOST_AUTO_FACTORS = 3e4
+"""Unknowns up to which ``auto`` takes old factors on one rank: their solves cost a third of GAMG's
+at 1e4 and as much at 1e5, their set-up more than twice as much there (``bench solver``).
+"""
+
 SETUP_COST: tuple[tuple[float, float], ...] = ((3e3, 25.0), (1e4, 19.0), (1e5, 14.0), (1e6, 12.0))
 """(unknowns, cost of a new preconditioner in iterations), as ``bench solver`` measures it."""
+
+
+def method_of(settings: Solver, ranks: int, unknowns: int) -> str:
+    """Return "iterative", "factors" or "direct" of a solver, ``auto`` by what is cheaper.
+
+    Args:
+        settings: Of the scene.
+        ranks: Of the group.
+        unknowns: Of the matrix.
+    """
+    if settings.method != "auto":
+        return settings.method
+    return "factors" if ranks == 1 and unknowns <= MOST_AUTO_FACTORS else "iterative"
 
 
 def multigrid_settings() -> dict[str, str]:
