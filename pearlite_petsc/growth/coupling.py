@@ -13,7 +13,7 @@ from pearlite_petsc.fatigue.softening import Softening, load_centre
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.solver.compliance import Compliance
 
-LEAST_GAIN, MOST_COUPLED = 0.005, 16
+LEAST_GAIN, MOST_COUPLED = 0.005, 20
 """Damage that an interface gains in a block from which it counts as softening, and how many do."""
 
 CHANGED = 0.02
