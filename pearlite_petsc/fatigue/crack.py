@@ -40,6 +40,7 @@ class CrackTracker:
         self._parent: dict[int, int] = {}
         self._of_element: defaultdict[int, set[int]] = defaultdict(set)
         self._root = self._tip = root
+        self._tips: dict[tuple[int, ...], Point] = {}
         self.broken = 0
 
     def add(
@@ -54,6 +55,7 @@ class CrackTracker:
             notch: Whether they are the notch's own, which count as no growth.
         """
         reached: list[Point] = []
+        self._tips.clear()
         for elements, (a, b), (start, end) in zip(
             pairs.tolist(), junctions.tolist(), ends.tolist(), strict=True
         ):
@@ -72,7 +74,12 @@ class CrackTracker:
 
     def tip_after(self, interface: Interface) -> Point:
         """Return where the tip would be [um] if one more interface broke."""
-        return max([self.tip, *self.reached_after([interface])], key=lambda point: point[0])
+        ends = tuple(interface[1])
+        found = self._tips.get(ends)
+        if found is None:
+            reached = self.reached_after([interface])
+            found = self._tips[ends] = max([self.tip, *reached], key=lambda point: point[0])
+        return found
 
     def reached_after(self, interfaces: Sequence[Interface]) -> list[Point]:
         """Return the points [um] that the crack would reach beside its own if some more broke."""

@@ -13,7 +13,7 @@ first one breaks. Within it each interface follows a rate curve:
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 from scipy.spatial.distance import cdist
@@ -21,6 +21,8 @@ from scipy.spatial.distance import cdist
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.damage import DamageLaw, damage_rate
 from pearlite_petsc.scene import CycleJumpMethod
+
+Real = TypeVar("Real", float, FloatArray)
 
 RateCurve = Literal["euler", "exponential", "compliance"]
 
@@ -164,9 +166,10 @@ def own_share(stiffness: FloatArray) -> FloatArray:
     return np.asarray(stiffness / (stiffness + SURROUNDINGS))
 
 
-def released(damage: FloatArray, share: FloatArray) -> FloatArray:
+def released(damage: Real, share: Real) -> Real:
     """Return the share of its force that a softening interface has let go, D (1-g)/(1 - g D)."""
-    return np.asarray(damage * (1.0 - share) / (1.0 - share * damage))
+    gone: Real = damage * (1.0 - share) / (1.0 - share * damage)
+    return gone
 
 
 def next_release(drive: Drive, step: float, least_steps: float = 1.0) -> FloatArray:

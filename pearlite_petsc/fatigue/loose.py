@@ -20,7 +20,6 @@ class LooseClusters:
     def __init__(self, mesh: Mesh, broken: BoolArray) -> None:
         self._mesh = mesh
         self._broken = np.zeros_like(broken)
-        self._tried: IntArray = np.empty(0, dtype=np.int64)
         self._begin()
         self.take(np.flatnonzero(broken))
 
@@ -33,34 +32,34 @@ class LooseClusters:
         Raises:
             SolverError: A cluster is cut off that carries boundary load.
         """
-        if len(self._tried) and not np.isin(self._tried, fresh).all():
+        if not self._tried.issubset(fresh.tolist()):
             self._begin()
-        new = fresh[~np.isin(fresh, self._tried)]
-        self._tried = np.union1d(self._tried, fresh)
+        new = [number for number in fresh.tolist() if number not in self._tried]
+        self._tried.update(new)
         ends = self._mesh.junction[self._mesh.interface_vertices[new]]
         rings = [not self._rings.join(a, b) for a, b in ends.tolist()]
         if any(rings):
             broken = self._broken.copy()
-            broken[self._tried] = True
+            broken[list(self._tried)] = True
             self._search(broken)
 
     def take(self, fresh: IntArray) -> None:
         """Take newly broken interfaces, tried before or not; raises as ``attempt``."""
         self.attempt(fresh)
         self._broken[fresh] = True
-        self._tried = np.empty(0, dtype=np.int64)
+        self._tried.clear()
 
     def _begin(self) -> None:
         """Join what is broken anew, with the window's boundary."""
         self._rings = UnionFind()
-        self._tried = np.empty(0, dtype=np.int64)
+        self._tried: set[int] = set()
         self.loose = np.zeros(self._mesh.element_count, dtype=bool)
         border = self._mesh.junction[self._mesh.boundary_vertices].ravel()
         for junction in border[1:]:
             self._rings.join(int(border[0]), int(junction))
         if self._broken.any():
             self.attempt(np.flatnonzero(self._broken))
-            self._tried = np.empty(0, dtype=np.int64)
+            self._tried.clear()
 
     def _search(self, broken: BoolArray) -> None:
         mesh = self._mesh

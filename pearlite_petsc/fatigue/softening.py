@@ -10,7 +10,7 @@ what that does to the jumps. ``residual`` is what a solve at the end of a block 
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg.lapack import dgesv
@@ -22,7 +22,7 @@ from pearlite_petsc.fatigue.damage import DamageLaw, damage_rate
 SOFTENING = 0.02
 """Share of its force from which an interface that lets go moves the load."""
 
-TOLERANCE = 3e-3
+TOLERANCE = 1e-2
 """Error of a step in damage, and of its cycles over all cycles so far."""
 
 SMALL_RESIDUAL = 3e-3
@@ -33,6 +33,9 @@ _MOST_TRIES = 500
 # Bogacki and Shampine's third-order step, and its difference from the second-order one.
 _STAGES = (np.array([1 / 2]), np.array([0.0, 3 / 4]), np.array([2 / 9, 1 / 3, 4 / 9]))
 _ERROR = np.array([-5 / 72, 1 / 12, 1 / 9, -1 / 8])
+
+_Lengthening = tuple[tuple[int, float, float, float], ...]
+# Number, g and advance [um] of the few interfaces that would lengthen the crack.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,6 +73,13 @@ class Softening:
     pull: FloatArray
     residual: FloatArray
     moment_end: float = 0.0
+    _compliance: FloatArray = field(init=False, repr=False)
+    _lengthening: _Lengthening = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        # As the solver of the few equations wants it.
+        object.__setattr__(self, "_compliance", np.asfortranarray(self.compliance))
+        object.__setattr__(self, "_lengthening", _lengthening(self.share, self.advance))
 
     @property
     def is_corrected(self) -> bool:
@@ -81,7 +91,7 @@ class Softening:
         free = self._free(damage)
         if not self.is_corrected:
             return _solved(self._system(damage), free.reshape(-1, 1)).reshape(-1, 3)
-        both = np.stack([free.ravel(), self.residual.ravel()], axis=1)
+        both = np.array([free.ravel(), self.residual.ravel()]).T
         base, more = _solved(self._system(damage), both).T.reshape(2, -1, 3)
         return np.asarray(base + more * (self.moment(damage, base) / self.moment_end))
 
@@ -118,33 +128,44 @@ class Softening:
 
     def _system(self, damage: FloatArray) -> FloatArray:
         let_go = (self.constants * (self.damage - damage)[:, None]).ravel()
-        system: FloatArray = self.compliance * let_go
-        system.flat[:: len(let_go) + 1] += 1.0
+        system: FloatArray = self._compliance * let_go
+        system.T.reshape(-1)[:: len(let_go) + 1] += 1.0
         return system
 
     def _free(self, damage: FloatArray) -> FloatArray:
-        return np.asarray(self.jump + self.pull @ (self._load_centre(damage) - self.centre))
+        x, y = _load_centre(damage, self._lengthening)
+        shift = x - self.centre[0], y - self.centre[1]
+        return np.asarray(self.jump + self.pull @ shift)
 
-    def _load_centre(self, damage: FloatArray) -> FloatArray:
-        return load_centre(released(damage, self.share), self.advance)
 
-
-def load_centre(released: FloatArray, advance: FloatArray) -> FloatArray:
+def load_centre(damage: FloatArray, share: FloatArray, advance: FloatArray) -> FloatArray:
     """Return how far the load is ahead of the tip for what softens [um]; (2,).
 
     Args:
-        released: Share of its force that each interface has let go; (a,).
+        damage: D; (a,).
+        share: g of each alone; (a,).
         advance: Where the tip would go if it broke [um]; (a, 2).
     """
-    gain = released * advance[:, 0]
-    gain[released <= SOFTENING] = 0.0
-    first = int(gain.argmax())
-    return np.asarray(released[first] * advance[first] * (gain[first] > 0.0))
+    return np.array(_load_centre(damage, _lengthening(share, advance)))
+
+
+def _lengthening(share: FloatArray, advance: FloatArray) -> _Lengthening:
+    numbers = np.flatnonzero(advance[:, 0] > 0.0).tolist()
+    return tuple((number, share.item(number), *advance[number].tolist()) for number in numbers)
+
+
+def _load_centre(damage: FloatArray, lengthening: _Lengthening) -> tuple[float, float]:
+    best, centre = 0.0, (0.0, 0.0)
+    for number, share, x, y in lengthening:
+        gone = released(damage.item(number), share)
+        if gone > SOFTENING and gone * x > best:
+            best, centre = gone * x, (gone * x, gone * y)
+    return centre
 
 
 def _solved(system: FloatArray, right: FloatArray) -> FloatArray:
     # numpy's and scipy's own wrappers take longer than the few equations.
-    *_, solution, info = dgesv(system, right)
+    *_, solution, info = dgesv(system, right, overwrite_a=True, overwrite_b=True)
     if info:
         raise np.linalg.LinAlgError(f"softening interfaces: pivot {info} vanishes")
     return np.asarray(solution)

@@ -151,7 +151,7 @@ class Blocks:
             limit = next_release(start, self._delta_d, least_steps)
             softening = self._coupling.softening(front, start, self._jump, self._share, limit)
             longest = self._longest(alone.rate, front)
-            course = course_of(softening, longest)
+            course = uncorrected = course_of(softening, longest)
             if course.cycles[-1] == 0.0:
                 # Whatever leads relieves itself at once: let each soften alone.
                 self._end(alone.longest, alone.damage_after(alone.longest))
@@ -167,8 +167,7 @@ class Blocks:
                 jump, cycles = solve(trial), float(course.cycles[-1])
                 seen = (self._coupling.of_front(front, values) for values in (trial, jump))
                 softening = softening.corrected(*seen)
-                if softening.is_corrected:
-                    course = course_of(softening, longest)
+                course = course_of(softening, longest) if softening.is_corrected else uncorrected
                 if course.cycles[-1] == 0.0:
                     found = trial
                     break

@@ -3,15 +3,15 @@
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from mpi4py import MPI
 
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.crack import CrackTracker, Point
-from pearlite_petsc.fatigue.cycle_jump import Drive, released
+from pearlite_petsc.fatigue.cycle_jump import Drive
 from pearlite_petsc.fatigue.damage import DamageLaw
 from pearlite_petsc.fatigue.softening import Softening, load_centre
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.solver.compliance import Compliance
+from pearlite_petsc.solver.owners import from_owners, places_here, places_owned
 
 LEAST_GAIN, MOST_COUPLED = 0.005, 20
 """Damage that an interface gains in a block from which it counts as softening, and how many do."""
@@ -50,7 +50,7 @@ class Coupling:
             gain: Damage that each interface of this rank will gain in the block; (k,).
         """
         domain = self._domain
-        chosen = np.flatnonzero((gain > LEAST_GAIN) & domain.owned)
+        chosen = np.flatnonzero((gain > LEAST_GAIN) & domain.part.owned)
         mine = np.stack([-gain[chosen], domain.part.interface[chosen]], axis=1)
         found = np.concatenate(domain.comm.allgather(mine))
         most = found[np.lexsort(found.T[::-1])[:MOST_COUPLED], 1]
@@ -63,12 +63,7 @@ class Coupling:
             numbers: Global numbers; (a,).
             values: Of this rank's interfaces; (k, ...).
         """
-        row, place = self._places(numbers)
-        mine = self._domain.owned[place]
-        found = np.zeros((len(numbers), *values.shape[1:]))
-        found[row[mine]] = values[place[mine]]
-        self._domain.comm.Allreduce(MPI.IN_PLACE, found)
-        return found
+        return from_owners(self._domain.comm, self._domain.part, numbers, values)
 
     def with_front(self, numbers: IntArray, values: FloatArray, front: FloatArray) -> FloatArray:
         """Return values of this rank's interfaces with some of them replaced; (k, ...).
@@ -78,17 +73,10 @@ class Coupling:
             values: Of this rank's interfaces; (k, ...).
             front: New values; (a, ...).
         """
-        row, place = self._places(numbers)
+        row, place = places_here(self._domain.part, numbers)
         result = values.copy()
         result[place] = front[row]
         return result
-
-    def _places(self, numbers: IntArray) -> tuple[IntArray, IntArray]:
-        """Return which of some interfaces this rank has, and their local numbers."""
-        interface = self._domain.part.interface
-        place = np.minimum(np.searchsorted(interface, numbers), len(interface) - 1)
-        row = np.flatnonzero(interface[place] == numbers)
-        return row, place[row]
 
     def softening(
         self,
@@ -120,9 +108,9 @@ class Coupling:
             stiffness.k_n,
             stiffness.k_t,
         ]
-        _, place = self._places(numbers)
+        _, place = places_owned(self._domain.part, numbers)
         advance = np.zeros((len(drive.damage), 2))
-        for number in place[self._domain.owned[place]]:
+        for number in place:
             advance[number] = self._advance(number)
         table = self.of_front(numbers, np.column_stack([*columns, advance]))
         damage, limit, share, factor, threshold = table[:, :5].T
@@ -137,7 +125,7 @@ class Coupling:
             nominal=drive.nominal,
             share=share,
             advance=table[:, 13:15],
-            centre=load_centre(released(damage, share), table[:, 13:15]),
+            centre=load_centre(damage, share, table[:, 13:15]),
             pull=pull,
             residual=np.zeros((len(numbers), 3)),
         )
@@ -145,28 +133,30 @@ class Coupling:
     def memory(self) -> tuple[FloatArray | None, dict[str, FloatArray]]:
         """Return what going on needs: the damage of the factors (k,) if any, and small arrays."""
         known = self._domain.known_compliance
-        taken = np.empty(0) if known is None else known.taken.astype(float)
-        small = {"coupling_taken": taken, "coupling_tip": np.array(self._pull_tip)}
+        taken = np.empty((2, 0)) if known is None else np.stack([known.taken, known.batch])
+        small = {"coupling_taken": taken.astype(float), "coupling_tip": np.array(self._pull_tip)}
         return (None if known is None else known.set_up_damage), small
 
     def recall(self, set_up_damage: FloatArray, small: Mapping[str, FloatArray]) -> None:
         """Go on from what ``memory`` returned. Collective."""
         compliance = self._domain.compliance(set_up_damage)
-        compliance.take(small["coupling_taken"].astype(np.int64))
+        taken, batch = small["coupling_taken"].astype(np.int64)
+        for number in range(batch.max(initial=-1) + 1):
+            compliance.take(taken[batch == number])
         x, y = small["coupling_tip"].tolist()
         self._pull_tip = x, y
         self._pull = self._pulls(compliance)
 
     def _compliance(self, numbers: IntArray, damage: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return C (3 a, 3 a) and the pull of the load (a, 3, 2) at the damage of now. Collective."""
+        before = self._domain.known_compliance
         compliance = self._domain.compliance()
         wanted = np.union1d(numbers, self._changed(compliance, damage))
         if len(np.union1d(compliance.taken, wanted)) > MOST_TAKEN and len(compliance.taken):
             self._domain.drop_compliance()
-            self._pull = None
             compliance, wanted = self._domain.compliance(), numbers
         compliance.take(wanted)
-        if self._pull is None:
+        if self._pull is None or compliance is not before:
             self._pull_tip = self._tracker.tip
             self._pull = self._pulls(compliance)
         return compliance.now(numbers, damage, self._pull)
@@ -175,7 +165,7 @@ class Coupling:
         """Return the global numbers of all that softened since the factors were made. Collective."""
         domain = self._domain
         far = np.abs(damage - compliance.set_up_damage) > CHANGED
-        mine = domain.part.interface[far & domain.owned]
+        mine = domain.part.interface[far & domain.part.owned]
         return np.asarray(np.concatenate(domain.comm.allgather(mine)))
 
     def _pulls(self, compliance: Compliance) -> FloatArray:

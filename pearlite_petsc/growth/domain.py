@@ -57,7 +57,6 @@ class Domain:
                 failure_cycles = np.where(notch, 0.0, np.nan)
         self.damage = self.scatter(damage)
         self.failure_cycles = self.scatter(failure_cycles)
-        self.owned = self.part.pairs[:, 0] < self.part.own
         self._start = self.damage, self.failure_cycles.copy()
         self.equilibrium = Equilibrium(comm, self.part, self.damage, scene.solver, keep_first)
         self.known_compliance: Compliance | None = None
@@ -82,6 +81,8 @@ class Domain:
         Args:
             damage: Of the factors; None takes the damage of now.
         """
+        if self.known_compliance is not None and self.known_compliance.is_outdated:
+            self.drop_compliance()
         if self.known_compliance is None:
             chosen = self.damage if damage is None else damage
             self.equilibrium.update(chosen)
@@ -153,7 +154,7 @@ class Domain:
             chosen: Local numbers on this rank; those of other owners are passed over.
         """
         part = self.part
-        mine = chosen[self.owned[chosen]]
+        mine = chosen[part.owned[chosen]]
         pairs = part.numbers[part.pairs[mine]]
         parcel = (part.interface[mine], pairs, part.junctions[mine], part.ends[mine])
         if self.comm.size == 1:

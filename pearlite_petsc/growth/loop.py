@@ -247,14 +247,14 @@ class CrackGrowth:
         names = self.comm.bcast([name for name in arrays if name.startswith(shared)])
         shares = {name: domain.scatter(arrays.get(name)) for name in names}
         self._blocks.resume(numbers, shares)
-        if "coupling_damage" in shares:
-            self._coupling.recall(shares["coupling_damage"], small)
         solver = {
             "set_up_damage": domain.scatter(arrays.get("set_up_damage")),
             "solution": self.comm.bcast(arrays.get("solution"))[domain.own],
             "reuse": small["reuse"],
         }
         domain.equilibrium.recall(solver)
+        if "coupling_damage" in shares:
+            self._coupling.recall(shares["coupling_damage"], small)
         self._unknowns = domain.equilibrium.unknowns()
         domain.equilibrium.counters.clear()
         self._counters = Counter(counters)

@@ -22,7 +22,7 @@ def softening_tip(domain: Domain, tracker: CrackTracker, released: FloatArray) -
             trial; (k,).
     """
     part, tip = domain.part, tracker.tip
-    candidates = np.flatnonzero((released > SOFTENING) & (domain.damage < 1.0) & domain.owned)
+    candidates = np.flatnonzero((released > SOFTENING) & (domain.damage < 1.0) & part.owned)
     best: tuple[float, int, Point] = (0.0, 0, tip)
     pairs = part.numbers[part.pairs[candidates]].tolist()
     junctions, ends = part.junctions[candidates].tolist(), part.ends[candidates].tolist()

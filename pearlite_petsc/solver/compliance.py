@@ -6,9 +6,13 @@ import numpy as np
 from mpi4py import MPI
 
 from pearlite_petsc.arrays import FloatArray, IntArray
+from pearlite_petsc.solver.corrected import Correction
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.krylov import stage
+from pearlite_petsc.solver.owners import from_owners, places_owned
 from pearlite_petsc.solver.petsc import PETSc
+
+_FACTORS = PETSc.PC.Type.CHOLESKY, PETSc.PC.Type.LU
 
 
 class Compliance:
@@ -21,6 +25,7 @@ class Compliance:
     Attributes:
         set_up_damage: Damage that the factors were made for; (k,).
         taken: Global numbers of the interfaces in the order in which they were taken; (s,).
+        batch: Which call of ``take`` took each of them, from 0; (s,).
 
     Args:
         comm: The ranks.
@@ -43,12 +48,19 @@ class Compliance:
         self._x.destroy()
         self._b.destroy()
 
+    @property
+    def is_outdated(self) -> bool:
+        """Whether the equilibrium has made newer factors."""
+        return self._equilibrium.replaced(self._factors)
+
     def forget(self) -> None:
         """Forget the interfaces taken and keep the factors."""
         self.taken = np.empty(0, dtype=np.int64)
-        self._local = np.empty(0, dtype=np.int64)
+        self._row: dict[int, int] = {}
+        self.batch = np.empty(0, dtype=np.int64)
         self._springs = np.empty((0, 3))
         self._set_up = np.empty((0, 0))
+        self._columns = np.empty((3 * self.part.own, 0), order="F")
 
     def take(self, numbers: IntArray) -> None:
         """Take more interfaces, those taken before left out. Collective.
@@ -56,29 +68,30 @@ class Compliance:
         Args:
             numbers: Global ones, the same on all ranks.
         """
-        new = numbers[~np.isin(numbers, self.taken)]
+        new = np.array([n for n in numbers.tolist() if n not in self._row], dtype=np.int64)
         if not len(new):
             return
         self._equilibrium.counters["unit_loads"] += 3 * len(new)
         before = 3 * len(self.taken)
+        number = self.batch[-1] + 1 if before else 0
         self.taken = np.concatenate([self.taken, new])
-        self._local = self._own_places(self.taken)
-        self._springs = self._shared(self._constants)
-        mine = self._local[self._local >= 0]
-        self._rows = self._equilibrium.operator[mine]
-        self._pairs = self.part.pairs[mine]
-        grown = np.zeros((3 * len(self.taken),) * 2)
+        self._row = {n: row for row, n in enumerate(self.taken.tolist())}
+        self.batch = np.concatenate([self.batch, np.full(len(new), number)])
+        self._springs = from_owners(self._comm, self.part, self.taken, self._constants)
+        row, place = places_owned(self.part, self.taken)
+        with stage("solve"):
+            unknowns = self._under_unit_pairs(new)[self.part.pairs[place]]
+        opened = np.zeros((len(self.taken), 3, 3 * len(new)))
+        opened[row] = self._equilibrium.operator[place] @ unknowns.reshape(len(place), 6, 3 * len(new))
+        if self._comm.size > 1:
+            self._comm.Allreduce(MPI.IN_PLACE, opened)
+        grown = np.empty((3 * len(self.taken),) * 2)
         grown[:before, :before] = self._set_up
-        for column in range(before, len(grown)):
-            with stage("solve"):
-                self._put_unit_pair(*divmod(column, 3))
-                jumps = self._jumps_of_taken().ravel()
-            # Maxwell and Betti: what those taken later do to this one need not be solved for. So
-            # filled, the values do not depend on how many are taken at a time.
-            end = 3 * (column // 3 + 1)
-            grown[:end, column] = jumps[:end]
-            grown[column, : end - 3] = jumps[: end - 3]
+        grown[:, before:] = opened.reshape(len(grown), -1)
+        # Maxwell and Betti: what those taken before do to the new ones need not be solved for.
+        grown[before:, :before] = grown[:before, before:].T
         self._set_up = grown
+        self._equilibrium.correct(self._factors, self._correction)
 
     def response(self, loads: Sequence[FloatArray]) -> FloatArray:
         """Return the jumps of the part's interfaces under loads, at the set-up damage. Collective.
@@ -112,50 +125,71 @@ class Compliance:
         Returns:
             C (3 a, 3 a) and the response of those interfaces (a, 3, l).
         """
-        let_go = self._springs * self._shared(damage - self.set_up_damage)[:, None]
-        chosen = np.flatnonzero(np.isin(self.taken, numbers))
-        chosen = chosen[np.argsort(self.taken[chosen])]
+        let_go = self._let_go(damage)
+        chosen = np.array([self._row[n] for n in numbers.tolist()], dtype=np.int64)
         rows = (3 * chosen[:, None] + np.arange(3)).ravel()
-        given = self._shared(response).reshape(len(let_go) * 3, -1)
-        system = np.eye(len(self._set_up)) - self._set_up * let_go.ravel()
+        given = from_owners(self._comm, self.part, self.taken, response)
+        given = given.reshape(len(let_go), -1)
+        system = np.eye(len(let_go)) - self._set_up * let_go
         found = np.linalg.solve(system, np.concatenate([self._set_up[:, rows], given], axis=1))
         compliance = found[rows, : len(rows)]
         return compliance, found[rows, len(rows) :].reshape(len(chosen), 3, -1)
 
-    def _own_places(self, numbers: IntArray) -> IntArray:
-        """Return the local numbers of interfaces on the rank that owns them, -1 elsewhere."""
-        part = self.part
-        place = np.searchsorted(part.interface, numbers)
-        place = np.minimum(place, len(part.interface) - 1)
-        mine = (part.interface[place] == numbers) & (part.pairs[place, 0] < part.own)
-        return np.where(mine, place, -1)
+    def _let_go(self, damage: FloatArray) -> FloatArray:
+        """Return what the springs of those taken have lost since the set-up; (3 s,). Collective."""
+        since = from_owners(self._comm, self.part, self.taken, damage - self.set_up_damage)
+        return np.asarray((self._springs * since[:, None]).ravel())
 
-    def _shared(self, local: FloatArray) -> FloatArray:
-        """Return a value of the interfaces taken on all ranks, each from its owner. Collective."""
-        mine = self._local >= 0
-        values = np.zeros((len(self._local), *local.shape[1:]))
-        values[mine] = local[self._local[mine]]
-        if self._comm.size > 1:
-            self._comm.Allreduce(MPI.IN_PLACE, values)
-        return values
+    def _correction(self, damage: FloatArray) -> Correction | None:
+        """Return what turns the factors into those of another damage of the interfaces taken."""
+        let_go = self._let_go(damage)
+        if not let_go.any():
+            return None
+        system = let_go[:, None] * np.linalg.inv(np.eye(len(let_go)) - self._set_up * let_go)
+        operator, unknown = self._rows_of(self.taken)
 
-    def _put_unit_pair(self, interface: int, component: int) -> None:
-        """Load the elements of an interface taken by a unit pair that opens one of its jumps."""
-        self._b.set(0.0)
-        local = self._local[interface]
-        if local >= 0:
-            elements = self.part.numbers[self.part.pairs[local]]
-            rows = (3 * elements[:, None] + np.arange(3)).ravel()
-            rows = rows.astype(PETSc.IntType)
-            self._b.setValues(rows, self._equilibrium.operator[local, component])
-        self._b.assemble()
+        def correction(solution: FloatArray) -> FloatArray:
+            opened = operator @ solution[unknown][:, :, None]
+            return np.asarray(self._columns @ (system @ opened.ravel()))
 
-    def _jumps_of_taken(self) -> FloatArray:
-        """Return the jumps of the interfaces taken under the load put, on all ranks; (s, 3)."""
-        self._factors.apply(self._b, self._x)
-        unknowns = self._equilibrium.values(self._x)[self._pairs].reshape(-1, 6, 1)
-        found = np.zeros((len(self._local), 3))
-        found[self._local >= 0] = (self._rows @ unknowns)[:, :, 0]
-        if self._comm.size > 1:
-            self._comm.Allreduce(MPI.IN_PLACE, found)
-        return found
+        return correction
+
+    def _rows_of(self, numbers: IntArray) -> tuple[FloatArray, IntArray]:
+        """Return B (a, 3, 6) of interfaces that this rank owns, and which unknowns it takes; (a, 6)."""
+        _, place = places_owned(self.part, numbers)
+        elements = self.part.numbers[self.part.pairs[place]]
+        unknown = (3 * elements[:, :, None] + np.arange(3)).reshape(-1, 6)
+        return self._equilibrium.operator[place], unknown
+
+    def _under_unit_pairs(self, numbers: IntArray) -> FloatArray:
+        """Return the unknowns under unit pairs that open each jump of some interfaces. Collective.
+
+        Shape (own + g, 3, 3 a).
+        """
+        row, _ = places_owned(self.part, numbers)
+        operator, unknown = self._rows_of(numbers)
+        if self._comm.size == 1 and self._factors.getType() in _FACTORS:
+            shape = 3 * self.part.own, 3 * len(numbers)
+            load, found = (PETSc.Mat().createDense(shape, comm=self._comm) for _ in range(2))
+            load.setUp()
+            found.setUp()
+            column = 3 * row[:, None] + np.arange(3)
+            load.getDenseArray()[unknown[:, None], column[:, :, None]] = operator
+            load.assemble()
+            found.assemble()
+            self._factors.getFactorMatrix().matSolve(load, found)
+            unknowns = found.getDenseArray().copy(order="F")
+            self._columns = np.concatenate([self._columns, unknowns], axis=1)
+            load.destroy()
+            found.destroy()
+            return np.asarray(unknowns.reshape(self.part.own, 3, -1))
+        found = []
+        for interface, component in np.ndindex(len(numbers), 3):
+            self._b.set(0.0)
+            for mine in np.flatnonzero(row == interface):
+                rows = unknown[mine].astype(PETSc.IntType)
+                self._b.setValues(rows, operator[mine, component])
+            self._b.assemble()
+            self._factors.apply(self._b, self._x)
+            found.append(self._equilibrium.values(self._x))
+        return np.stack(found, axis=2)

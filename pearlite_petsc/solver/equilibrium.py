@@ -1,6 +1,7 @@
 """Equilibrium of the elements: CG on the distributed matrix, with fallbacks counted."""
 
 from collections import Counter
+from collections.abc import Callable
 
 import numpy as np
 from mpi4py import MPI
@@ -9,6 +10,7 @@ from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.errors import SolverError
 from pearlite_petsc.mechanics.kinematics import jumps
 from pearlite_petsc.scene import Solver
+from pearlite_petsc.solver.corrected import Correction, corrected
 from pearlite_petsc.solver.ghosts import GhostExchange
 from pearlite_petsc.solver.krylov import (
     COMPLIANCE_PREFIX,
@@ -26,6 +28,8 @@ from pearlite_petsc.solver.krylov import (
 from pearlite_petsc.solver.matrix import StiffnessMatrix
 from pearlite_petsc.solver.part import Part
 from pearlite_petsc.solver.petsc import PETSc
+
+Correct = Callable[[FloatArray], Correction | None]
 
 RESIDUAL_LIMIT = 1e-6
 """Largest relative residual that a direct solver may leave."""
@@ -72,6 +76,7 @@ class Equilibrium:
         self._ghosts = GhostExchange(self._x, part)
         self._ksp: PETSc.KSP | None = None
         self._first_ksp: PETSc.KSP | None = None
+        self._correct: Correct | None = None
         self._first_damage = damage
         self._setup_cost = setup_cost(3 * part.total)
         self._first_iterations = 0
@@ -98,6 +103,8 @@ class Equilibrium:
 
     def update(self, damage: FloatArray) -> None:
         """Take the damage of the part's interfaces; shape (k,), not changed afterwards."""
+        if damage is self._damage:
+            return
         self._damage = damage
         with stage("assemble"):
             self.matrix.update(damage)
@@ -163,17 +170,36 @@ class Equilibrium:
         self._first_iterations, self._fresh = int(first), bool(fresh)
 
     def factors(self) -> PETSc.PC:
-        """Return factors of the matrix as it is, the caller's to destroy. Collective."""
-        if self._comm.size == 1 and self._ksp is not None and self.set_up_damage is self._damage:
-            pc = self._ksp.getPC()
-            if pc.getType() == PETSc.PC.Type.CHOLESKY:
-                return pc
+        """Return factors of the matrix as it is, the caller's to destroy. Collective.
+
+        Where the preconditioner consists of factors on one rank, these, made anew if need be.
+        """
+        if self._own_factors() is not None and not self._is_current():
+            self._set_up()
+        own = self._own_factors()
+        if own is not None:
+            return own
         settings = repeatable_factor_settings(self._comm.size, 3 * self.part.total)
         with stage("setup"):
             ksp = make_solver(self.matrix, settings, 0.5, COMPLIANCE_PREFIX)
         pc = ksp.getPC()
         ksp.destroy()
         return pc
+
+    def correct(self, factors: PETSc.PC, correct: Correct) -> None:
+        """Correct the preconditioner for what softens, if it still consists of these factors.
+
+        Args:
+            factors: What ``factors`` returned.
+            correct: Damage of the part's interfaces (k,) -> correction.
+        """
+        if self._own_factors() == factors:
+            self._correct = correct
+
+    def replaced(self, factors: PETSc.PC) -> bool:
+        """Return whether the preconditioner consists of factors, but not of these any more."""
+        own = self._own_factors()
+        return own is not None and own != factors
 
     def values(self, vector: PETSc.Vec) -> FloatArray:
         """Return a vector's values on own elements and ghosts; shape (own + g, 3). Collective."""
@@ -210,11 +236,19 @@ class Equilibrium:
         """
         self._take_up(self._make_ksp(self._method == "direct"))
 
+    def _own_factors(self) -> PETSc.PC | None:
+        """Return the preconditioner if it consists of factors on one rank."""
+        if self._comm.size > 1 or self._method != "factors" or self._ksp is None:
+            return None
+        pc = self._ksp.getPC()
+        return pc if pc.getType() == PETSc.PC.Type.CHOLESKY else None
+
     def _take_up(self, ksp: PETSc.KSP) -> None:
         """Solve with this preconditioner, which was made for the current damage, from now on."""
         if self._ksp is not None and self._ksp not in (ksp, self._first_ksp):
             self._ksp.destroy()
         self._ksp = ksp
+        self._correct = None
         self.set_up_damage = self._damage
         self._fresh = True
         self._excess = 0.0
@@ -223,7 +257,9 @@ class Equilibrium:
         if self._excess > self._setup_cost:
             self._set_up()
         start = self._x.getArray().copy()
-        iterations, reason = self._run(self._ksp)
+        correction = None if self._correct is None else self._correct(self._damage)
+        with corrected(self._ksp, correction):
+            iterations, reason = self._run(self._ksp)
         if reason < 0 and not self._is_current():
             self.counters["refreshed"] += 1
             self._set_up()
@@ -238,9 +274,11 @@ class Equilibrium:
             finally:
                 ksp.destroy()
             return
-        if self._fresh:
+        # Factors solve at once what they were made for, which is no measure of what follows.
+        if self._fresh and (self._own_factors() is None or not self._is_current()):
             self._first_iterations, self._fresh = iterations, False
-        self._excess += max(0, iterations - self._first_iterations)
+        if not self._fresh:
+            self._excess += max(0, iterations - self._first_iterations)
 
     def _is_current(self) -> bool:
         """Whether the preconditioner was made for the current damage. Collective."""

@@ -17,7 +17,7 @@ class Part:
 
     Attributes:
         first, own, total: First own element, number of own ones and of all elements.
-        ghosts: Global numbers of the ghosts, ascending; (g,).
+        numbers: Global numbers of the local elements; (own + g,).
         centre: Of own elements and ghosts [um]; (own + g, 2).
         interface: Global numbers of the interfaces; (k,).
         pairs: Local elements i, j of each interface; (k, 2).
@@ -34,7 +34,7 @@ class Part:
     first: int
     own: int
     total: int
-    ghosts: IntArray
+    numbers: IntArray
     centre: FloatArray
     interface: IntArray
     pairs: IntArray
@@ -52,9 +52,15 @@ class Part:
     facet_end: FloatArray
 
     @property
-    def numbers(self) -> IntArray:
-        """Global numbers of the local elements; (own + g,)."""
-        return np.concatenate([self.first + np.arange(self.own), self.ghosts])
+    def ghosts(self) -> IntArray:
+        """Global numbers of the ghosts, ascending; (g,)."""
+        return self.numbers[self.own :]
+
+    @property
+    def owned(self) -> BoolArray:
+        """Whether this rank owns an interface, which one rank does; (k,)."""
+        owned: BoolArray = self.pairs[:, 0] < self.own
+        return owned
 
     @property
     def nbytes(self) -> int:
@@ -103,7 +109,7 @@ def make_part(mesh: Mesh, stiffness: Stiffness, first: int, last: int) -> Part:
         first=first,
         own=last - first,
         total=mesh.element_count,
-        ghosts=ghosts,
+        numbers=np.concatenate([np.arange(first, last), ghosts]),
         centre=np.concatenate([mesh.centre[first:last], mesh.centre[ghosts]]),
         interface=chosen,
         pairs=np.where(inside, near - first, last - first + np.searchsorted(ghosts, near)),

@@ -7,6 +7,9 @@ import numpy as np
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.scene import Scene
 
+AHEAD = 0.3
+"""Share of a disc's radius by which it lies ahead of what it covers, so that it lasts longer."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FineZone:
@@ -32,8 +35,9 @@ class FineZone:
             np.minimum(result, np.maximum(gap, 0.0), out=result)
         return result
 
-    def with_discs(self, centres: FloatArray, radius: float) -> "FineZone":
-        """Return the zone and discs of one radius [um] about points [um], (d, 2)."""
+    def with_discs(self, points: FloatArray, radius: float) -> "FineZone":
+        """Return the zone and discs of one radius [um] that cover points of a front [um], (d, 2)."""
+        centres = points + np.array([AHEAD * radius, 0.0])
         discs = np.column_stack([centres, np.full(len(centres), radius)])
         return FineZone(self.boxes, np.concatenate([self.discs, discs]))
 
@@ -41,11 +45,11 @@ class FineZone:
 def initial_zone(scene: Scene) -> FineZone:
     """Return the zone that a mesh starts with, by ``scene.elements.refinement``."""
     window, elements = scene.window, scene.elements
-    no_boxes, no_discs = np.empty((0, 4)), np.empty((0, 3))
+    nothing = FineZone(np.empty((0, 4)), np.empty((0, 3)))
     if elements.refinement == "uniform" or elements.shear == "affine":
-        return FineZone(np.array([[0.0, 0.0, window.width, window.height]]), no_discs)
+        return FineZone(np.array([[0.0, 0.0, window.width, window.height]]), nothing.discs)
     middle = 0.5 * window.height
     if elements.refinement == "corridor":
         low, high = middle - elements.corridor, middle + elements.corridor
-        return FineZone(np.array([[0.0, low, window.width, high]]), no_discs)
-    return FineZone(no_boxes, np.array([[window.notch, middle, elements.radius]]))
+        return FineZone(np.array([[0.0, low, window.width, high]]), nothing.discs)
+    return nothing.with_discs(np.array([[window.notch, middle]]), elements.radius)

@@ -6,6 +6,7 @@ from mpi4py import MPI
 from pearlite_petsc.growth.front import Follower, carry_over, interface_pairs, kept_nuclei
 from pearlite_petsc.scene import Kind
 from pearlite_petsc.tessellation.build import initial_zone, prepare, tessellate
+from pearlite_petsc.tessellation.zone import AHEAD
 from tests.scenes import STATES, default_scene
 
 SCENE = default_scene(elements={"radius": 18.0})
@@ -16,7 +17,9 @@ MESH = tessellate(SUBSTRATE, ZONE)
 
 def test_front_is_near_coarse_elements_only_beyond_half_the_radius() -> None:
     follower = Follower(SCENE, ZONE)
-    inside, beyond = (np.array([[80.0 + gap, 100.0]]) for gap in (8.9, 9.1))
+    ahead = 80.0 + AHEAD * 18.0
+    inside, beyond = (np.array([[ahead + gap, 100.0]]) for gap in (8.9, 9.1))
+    assert not follower.is_near_coarse(MPI.COMM_SELF, np.array([[80.0, 100.0]]))
     assert not follower.is_near_coarse(MPI.COMM_SELF, inside)
     assert follower.is_near_coarse(MPI.COMM_SELF, beyond)
 

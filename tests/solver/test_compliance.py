@@ -66,19 +66,60 @@ def test_compliance_and_response_are_those_of_dense_algebra(method: str) -> None
     domain.close()
 
 
-def test_what_is_taken_at_once_or_one_by_one_has_the_same_bits() -> None:
-    domain = domain_of()
+def test_what_is_taken_in_the_same_batches_has_the_same_bits() -> None:
+    domain = domain_of("factors")
     chosen = near_the_notch(domain, 5)
     compliance = domain.compliance()
     empty = np.empty((len(domain.damage), 3, 0))
+    found = []
+    for _ in range(2):
+        compliance.forget()
+        compliance.take(chosen[:3])
+        compliance.take(chosen)
+        assert compliance.batch.tolist() == [0, 0, 0, 1, 1]
+        found.append(compliance.now(chosen, domain.damage, empty)[0])
+    assert np.array_equal(*found)
+    compliance.forget()
     compliance.take(chosen)
     at_once, _ = compliance.now(chosen, domain.damage, empty)
-    compliance.forget()
-    for number in chosen:
-        compliance.take(np.array([number]))
-    one_by_one, _ = compliance.now(chosen, domain.damage, empty)
-    assert np.array_equal(at_once, one_by_one)
+    assert np.abs(at_once - found[0]).max() < 1e-9 * np.abs(at_once).max()
     assert np.abs(at_once - at_once.T).max() < 1e-9 * np.abs(at_once).max()
+    domain.close()
+
+
+def test_factors_corrected_for_what_was_taken_solve_at_once() -> None:
+    domain = domain_of("factors")
+    equilibrium, chosen = domain.equilibrium, near_the_notch(domain, 6)
+    load = domain.load(12e3, PREPARED.mesh.notch)
+    equilibrium.solve(load)
+    domain.compliance().take(chosen)
+    damage = domain.damage.copy()
+    damage[chosen] = [1.0, 0.6, 0.2, 0.3, 0.9, 0.05]
+    equilibrium.update(damage)
+    before = equilibrium.counters["iterations"]
+    unknowns = equilibrium.solve(load)[: domain.part.own].ravel()
+    assert equilibrium.counters["iterations"] - before <= 2
+    matrix, _ = dense(domain)
+    scaled = load.copy()
+    scaled[:, 2] /= domain.part.rotation
+    assert np.linalg.norm(matrix @ unknowns - scaled.ravel()) < 1e-8 * np.linalg.norm(scaled)
+    domain.close()
+
+
+def test_compliance_of_older_factors_is_made_anew() -> None:
+    domain = domain_of("factors")
+    chosen = near_the_notch(domain, 3)
+    first = domain.compliance()
+    first.take(chosen)
+    damage = domain.damage.copy()
+    damage[chosen] = 0.5
+    domain.damage = damage
+    domain.equilibrium.update(damage)
+    domain.equilibrium.factors()
+    assert first.is_outdated
+    second = domain.compliance()
+    assert second is not first and not second.is_outdated
+    assert second.set_up_damage is damage and not len(second.taken)
     domain.close()
 
 

@@ -14,7 +14,7 @@ from pearlite_petsc.tessellation.build import (
 )
 from pearlite_petsc.tessellation.mesh import Mesh
 from pearlite_petsc.tessellation.quality import quality
-from pearlite_petsc.tessellation.zone import FineZone, initial_zone
+from pearlite_petsc.tessellation.zone import AHEAD, FineZone, initial_zone
 from tests.scenes import STATES, default_scene
 from tests.tessellation.closure import outward_sums
 
@@ -108,7 +108,8 @@ def test_a_graded_mesh_takes_its_nuclei_from_the_fine_one() -> None:
     assert np.array_equal(coarse.centre, fine.centre[coarse.nucleus])
     assert np.array_equal(coarse.colony, fine.colony[coarse.nucleus])
     assert np.array_equal(coarse.lamella_angle, fine.lamella_angle[coarse.nucleus])
-    inside = np.hypot(*(fine.centre - [80.0, 100.0]).T) <= SCENE.elements.radius
+    ahead = 80.0 + AHEAD * SCENE.elements.radius
+    inside = np.hypot(*(fine.centre - [ahead, 100.0]).T) <= SCENE.elements.radius
     assert np.isin(np.flatnonzero(inside), coarse.nucleus).all()
     assert coarse.fine.sum() == inside.sum()
 
