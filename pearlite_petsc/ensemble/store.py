@@ -24,7 +24,7 @@ from pearlite_petsc.ensemble.sealed_file import DamagedFileError, read_sealed, w
 from pearlite_petsc.ensemble.tasks import Task
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.fatigue.outcome import GrowthState, Outcome
-from pearlite_petsc.growth.checkpoint import Checkpoint
+from pearlite_petsc.growth.checkpoint import FORM, Checkpoint
 from pearlite_petsc.tessellation.mesh import Mesh
 
 _log = logging.getLogger(__name__)
@@ -98,6 +98,7 @@ class Store:
             OSError: The folder cannot be written.
         """
         header = {
+            "form": FORM,
             "task": task.name,
             "mesh": mesh,
             "states": states,
@@ -114,10 +115,15 @@ class Store:
         A damaged file is passed over and named in the log.
 
         Raises:
-            SceneError: A checkpoint belongs to another scene, task or mesh.
+            SceneError: A checkpoint belongs to another scene, task, mesh or version.
         """
         found = list(self._checkpoints(task))
         for path, header, _ in found:
+            if header.get("form") != FORM:
+                raise SceneError(
+                    f"{path}: has form {header.get('form', 'unknown')}, this version of the program "
+                    f"reads form {FORM}; without the file the crack starts from its notch"
+                )
             if header["mesh"] != mesh:
                 raise SceneError(
                     f"{path}: was made with mesh {header['mesh'][:12]}, this program makes "

@@ -13,7 +13,7 @@ from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.solver.compliance import Compliance
 from pearlite_petsc.solver.owners import from_owners, places_here, places_owned
 
-LEAST_GAIN, MOST_COUPLED = 0.005, 20
+LEAST_GAIN, MOST_COUPLED = 0.01, 20
 """Damage that an interface gains in a block from which it counts as softening, and how many do."""
 
 CHANGED = 0.02

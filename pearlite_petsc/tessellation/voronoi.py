@@ -6,8 +6,6 @@ Nuclei near an edge are mirrored across it, so that the edges of the window are 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
 from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
@@ -165,17 +163,12 @@ def _dual(
 def merged_groups(count: int, joined: IntArray) -> IntArray:
     """Return for each of ``count`` things the smallest one it is joined with; joined (p, 2)."""
     group = np.arange(count)
-    if len(joined):
-        involved, local = np.unique(joined, return_inverse=True)
-        local = local.reshape(-1, 2)
-        graph = coo_matrix(
-            (np.ones(len(local)), (local[:, 0], local[:, 1])), shape=(len(involved),) * 2
-        )
-        label = connected_components(graph, directed=False)[1]
-        first = np.full(label.max() + 1, count)
-        np.minimum.at(first, label, involved)
-        group[involved] = first[label]
-    return group.astype(np.int64)
+    a, b = joined.T
+    while not np.array_equal(group[a], group[b]):
+        low = np.minimum(group[a], group[b])
+        np.minimum.at(group, a, low)
+        np.minimum.at(group, b, low)
+    return group
 
 
 def _polygons(

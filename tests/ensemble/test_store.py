@@ -130,6 +130,16 @@ def test_files_of_another_scene_task_or_mesh_are_refused(store: Store, task: Tas
         store.read_finished(second)
 
 
+def test_a_checkpoint_of_another_form_is_refused(
+    store: Store, task: Task, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as older:
+        older.setattr("pearlite_petsc.ensemble.store.FORM", 1)
+        store.write_checkpoint(task, "mesh", checkpoint(3), 0)
+    with pytest.raises(SceneError, match=r"has form 1, this version of the program reads form 3"):
+        store.read_checkpoint(task, "mesh")
+
+
 def test_meshes_differ_by_their_hash(mesh: Mesh) -> None:
     again = prepare_growth(SCENE, SCENE.states[0], 0).mesh
     other = prepare_growth(SCENE, SCENE.states[0], 1).mesh
