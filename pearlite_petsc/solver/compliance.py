@@ -82,7 +82,9 @@ class Compliance:
         with stage("solve"):
             unknowns = self._under_unit_pairs(new)[self.part.pairs[place]]
         opened = np.zeros((len(self.taken), 3, 3 * len(new)))
-        opened[row] = self._equilibrium.operator[place] @ unknowns.reshape(len(place), 6, 3 * len(new))
+        opened[row] = self._equilibrium.operator[place] @ unknowns.reshape(
+            len(place), 6, 3 * len(new)
+        )
         if self._comm.size > 1:
             self._comm.Allreduce(MPI.IN_PLACE, opened)
         grown = np.empty((3 * len(self.taken),) * 2)
