@@ -129,15 +129,21 @@ class WithPetsc:
         }[name]
         self._matrix = matrix
         self._x, self._b = matrix.mat.createVecs()
+        self._halves = name == "default"
         self._ksp: Any = None
+        self._upward: Any = None
 
     def set_up(self) -> None:
         """Make the preconditioner anew. Collective."""
-        from pearlite_petsc.solver.krylov import make_solver
+        from pearlite_petsc.solver.krylov import PREFIX, make_solver
+        from pearlite_petsc.solver.upward import UpwardCycle, allows_upward
 
-        if self._ksp is not None:
-            self._ksp.destroy()
+        for old in (self._upward, self._ksp):
+            if old is not None:
+                old.destroy()
         self._ksp = make_solver(self._matrix, self._settings, FIRST_TOLERANCE)
+        if self._halves and allows_upward(self._ksp, PREFIX, WARM_TOLERANCE):
+            self._upward = UpwardCycle(self._ksp, PREFIX)
 
     def solve(self, load: FloatArray, tolerance: float, warm: bool) -> int:
         """Solve, from the last solution if warm; return the iterations. Collective."""
@@ -145,10 +151,15 @@ class WithPetsc:
         if not warm:
             self._x.set(0.0)
         self._ksp.setTolerances(rtol=tolerance)
+        before = 0
+        if warm and self._upward is not None:
+            before, converged = self._upward.solve(self._b, self._x)
+            if converged:
+                return int(before)
         self._ksp.solve(self._b, self._x)
         if self._ksp.getConvergedReason() < 0:
             return -1
-        return int(self._ksp.getIterationNumber())
+        return before + int(self._ksp.getIterationNumber())
 
     def residual(self, load: FloatArray) -> float:
         """Return the relative residual of the last solution. Collective."""

@@ -28,6 +28,7 @@ from pearlite_petsc.solver.krylov import (
 from pearlite_petsc.solver.matrix import StiffnessMatrix
 from pearlite_petsc.solver.part import Part
 from pearlite_petsc.solver.petsc import PETSc
+from pearlite_petsc.solver.upward import MOST_UPWARD, WORTH, UpwardCycle, allows_upward
 
 Correct = Callable[[FloatArray], Correction | None]
 
@@ -40,12 +41,15 @@ class Equilibrium:
 
     The preconditioner is kept until the iterations that it costs beyond its first solve add up to
     the price of a new one, which at worst doubles the best possible cost. The decision counts
-    iterations and not seconds, so that a run repeats itself bit for bit.
+    iterations and not seconds, so that a run repeats itself bit for bit. At loose
+    tolerances solves after the first one of a hierarchy take the upward half of its cycle; where
+    that does not converge, the whole cycle goes on and stays until the next set-up.
 
     Attributes:
         matrix: K of the current damage.
-        counters: iterations, solves, setups; multigrid (instead of factors that failed), refreshed
-            and direct (fallbacks); unit_loads (back-substitutions for the compliance of interfaces).
+        counters: iterations, solves, setups; upward (solves by half the cycle) and symmetric_again
+            (where that did not converge); multigrid (instead of factors that failed), refreshed and
+            direct (fallbacks); unit_loads (back-substitutions for the compliance of interfaces).
         set_up_damage: Damage that the preconditioner was made for; (k,).
 
     Args:
@@ -77,6 +81,7 @@ class Equilibrium:
         self._ksp: PETSc.KSP | None = None
         self._first_ksp: PETSc.KSP | None = None
         self._correct: Correct | None = None
+        self._upward: UpwardCycle | None = None
         self._first_damage = damage
         self._setup_cost = setup_cost(3 * part.total)
         self._first_iterations = 0
@@ -88,6 +93,8 @@ class Equilibrium:
         return self
 
     def __exit__(self, *exc: object) -> None:
+        if self._upward is not None:
+            self._upward.destroy()
         for ksp in (self._ksp, self._first_ksp):
             if ksp is not None:
                 ksp.destroy()
@@ -153,9 +160,10 @@ class Equilibrium:
         """Return what the next solve depends on beside the damage, for a checkpoint.
 
         The damage of the last set-up (k,), the last solution of own elements (own, 3), and
-        (first iterations, excess, fresh).
+        (first iterations, excess, fresh, whether half the cycle pays).
         """
-        state = np.array([self._first_iterations, self._excess, self._fresh], dtype=float)
+        reuse = (self._first_iterations, self._excess, self._fresh, self._upward_pays)
+        state = np.array(reuse, dtype=float)
         solution = self._x.getArray(readonly=True).reshape(-1, 3).copy()
         return {"set_up_damage": self.set_up_damage, "solution": solution, "reuse": state}
 
@@ -166,8 +174,9 @@ class Equilibrium:
         self._set_up()
         self.update(damage)
         self._x.setArray(memory["solution"].ravel())
-        first, self._excess, fresh = memory["reuse"].tolist()
+        first, self._excess, fresh, pays = memory["reuse"].tolist()
         self._first_iterations, self._fresh = int(first), bool(fresh)
+        self._upward_pays = bool(pays)
 
     def factors(self) -> PETSc.PC:
         """Return factors of the matrix as it is, the caller's to destroy. Collective.
@@ -247,16 +256,26 @@ class Equilibrium:
         """Solve with this preconditioner, which was made for the current damage, from now on."""
         if self._ksp is not None and self._ksp not in (ksp, self._first_ksp):
             self._ksp.destroy()
+        if self._upward is not None:
+            self._upward.destroy()
         self._ksp = ksp
         self._correct = None
+        allowed = allows_upward(ksp, PREFIX, self.settings.relative_tolerance)
+        self._upward = UpwardCycle(ksp, PREFIX) if allowed else None
         self.set_up_damage = self._damage
-        self._fresh = True
+        self._fresh = self._upward_pays = True
         self._excess = 0.0
 
     def _solve_iterative(self) -> None:
         if self._excess > self._setup_cost:
             self._set_up()
         start = self._x.getArray().copy()
+        before = 0
+        if self._upward_pays and not self._fresh and self._first_iterations <= WORTH * MOST_UPWARD:
+            before, converged = self._run_upward()
+            if converged:
+                self._excess += max(0.0, WORTH * before - self._first_iterations)
+                return
         correction = None if self._correct is None else self._correct(self._damage)
         with corrected(self._ksp, correction):
             iterations, reason = self._run(self._ksp)
@@ -278,7 +297,17 @@ class Equilibrium:
         if self._fresh and (self._own_factors() is None or not self._is_current()):
             self._first_iterations, self._fresh = iterations, False
         if not self._fresh:
-            self._excess += max(0, iterations - self._first_iterations)
+            self._excess += max(0, before + iterations - self._first_iterations)
+
+    def _run_upward(self) -> tuple[int, bool]:
+        if self._upward is None:
+            return 0, False
+        with stage("solve"):
+            iterations, converged = self._upward.solve(self._b, self._x)
+        self.counters["iterations"] += iterations
+        self.counters["upward" if converged else "symmetric_again"] += 1
+        self._upward_pays = converged
+        return iterations, converged
 
     def _is_current(self) -> bool:
         """Whether the preconditioner was made for the current damage. Collective."""
