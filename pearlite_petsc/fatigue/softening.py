@@ -223,7 +223,8 @@ def course_of(softening: Softening, longest: float = math.inf) -> Course:
         over = after.damage - state.damage > room * (1.0 + 1e-9)
         over[lead] = False
         if over.any():
-            part = np.where(over, room / (after.damage - state.damage), np.inf)
+            part = np.full(len(room), np.inf)
+            np.divide(room, after.damage - state.damage, out=part, where=over)
             lead = int(np.argmin(part))
             step = float(room[lead])
             continue

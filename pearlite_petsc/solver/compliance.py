@@ -12,6 +12,9 @@ from pearlite_petsc.solver.krylov import stage
 from pearlite_petsc.solver.owners import from_owners, places_owned
 from pearlite_petsc.solver.petsc import PETSc
 
+MOST_AT_ONCE = 4e6
+"""Values of the right-hand sides that are solved for at once."""
+
 _FACTORS = PETSc.PC.Type.CHOLESKY, PETSc.PC.Type.LU
 
 
@@ -25,7 +28,7 @@ class Compliance:
     Attributes:
         set_up_damage: Damage that the factors were made for; (k,).
         taken: Global numbers of the interfaces in the order in which they were taken; (s,).
-        batch: Which call of ``take`` took each of them, from 0; (s,).
+        batch: With which others each of them was solved for, from 0; (s,).
 
     Args:
         comm: The ranks.
@@ -38,6 +41,7 @@ class Compliance:
         self.part = equilibrium.part
         self.set_up_damage = damage
         self._factors = equilibrium.factors()
+        self._corrects = equilibrium.shares(self._factors)
         self._x, self._b = equilibrium.mat.createVecs()
         self._constants = self.part.spring_constants()
         self.forget()
@@ -51,7 +55,7 @@ class Compliance:
     @property
     def is_outdated(self) -> bool:
         """Whether the equilibrium has made newer factors."""
-        return self._equilibrium.replaced(self._factors)
+        return self._corrects and not self._equilibrium.shares(self._factors)
 
     def forget(self) -> None:
         """Forget the interfaces taken and keep the factors."""
@@ -69,8 +73,13 @@ class Compliance:
             numbers: Global ones, the same on all ranks.
         """
         new = np.array([n for n in numbers.tolist() if n not in self._row], dtype=np.int64)
-        if not len(new):
-            return
+        most = max(1, int(MOST_AT_ONCE / (9 * self.part.total)))
+        for start in range(0, len(new), most):
+            self._take(new[start : start + most])
+        if len(new) and self._corrects:
+            self._equilibrium.correct(self._factors, self._correction)
+
+    def _take(self, new: IntArray) -> None:
         self._equilibrium.counters["unit_loads"] += 3 * len(new)
         before = 3 * len(self.taken)
         number = self.batch[-1] + 1 if before else 0
@@ -82,9 +91,8 @@ class Compliance:
         with stage("solve"):
             unknowns = self._under_unit_pairs(new)[self.part.pairs[place]]
         opened = np.zeros((len(self.taken), 3, 3 * len(new)))
-        opened[row] = self._equilibrium.operator[place] @ unknowns.reshape(
-            len(place), 6, 3 * len(new)
-        )
+        unknowns = unknowns.reshape(len(place), 6, 3 * len(new))
+        opened[row] = self._equilibrium.operator[place] @ unknowns
         if self._comm.size > 1:
             self._comm.Allreduce(MPI.IN_PLACE, opened)
         grown = np.empty((3 * len(self.taken),) * 2)
@@ -93,7 +101,6 @@ class Compliance:
         # Maxwell and Betti: what those taken before do to the new ones need not be solved for.
         grown[before:, :before] = grown[:before, before:].T
         self._set_up = grown
-        self._equilibrium.correct(self._factors, self._correction)
 
     def response(self, loads: Sequence[FloatArray]) -> FloatArray:
         """Return the jumps of the part's interfaces under loads, at the set-up damage. Collective.
@@ -181,7 +188,8 @@ class Compliance:
             found.assemble()
             self._factors.getFactorMatrix().matSolve(load, found)
             unknowns = found.getDenseArray().copy(order="F")
-            self._columns = np.concatenate([self._columns, unknowns], axis=1)
+            if self._corrects:
+                self._columns = np.concatenate([self._columns, unknowns], axis=1)
             load.destroy()
             found.destroy()
             return np.asarray(unknowns.reshape(self.part.own, 3, -1))

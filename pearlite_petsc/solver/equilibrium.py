@@ -202,13 +202,12 @@ class Equilibrium:
             factors: What ``factors`` returned.
             correct: Damage of the part's interfaces (k,) -> correction.
         """
-        if self._own_factors() == factors:
+        if self.shares(factors):
             self._correct = correct
 
-    def replaced(self, factors: PETSc.PC) -> bool:
-        """Return whether the preconditioner consists of factors, but not of these any more."""
-        own = self._own_factors()
-        return own is not None and own != factors
+    def shares(self, factors: PETSc.PC) -> bool:
+        """Return whether the preconditioner consists of these factors."""
+        return bool(self._own_factors() == factors)
 
     def values(self, vector: PETSc.Vec) -> FloatArray:
         """Return a vector's values on own elements and ghosts; shape (own + g, 3). Collective."""

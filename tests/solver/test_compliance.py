@@ -106,6 +106,22 @@ def test_factors_corrected_for_what_was_taken_solve_at_once() -> None:
     domain.close()
 
 
+def test_large_bodies_are_solved_for_in_small_batches(monkeypatch: pytest.MonkeyPatch) -> None:
+    domain = domain_of("factors")
+    chosen = near_the_notch(domain, 5)
+    compliance = domain.compliance()
+    empty = np.empty((len(domain.damage), 3, 0))
+    compliance.take(chosen)
+    at_once, _ = compliance.now(chosen, domain.damage, empty)
+    compliance.forget()
+    monkeypatch.setattr("pearlite_petsc.solver.compliance.MOST_AT_ONCE", 18 * domain.part.total)
+    compliance.take(chosen)
+    assert compliance.batch.tolist() == [0, 0, 1, 1, 2]
+    in_batches, _ = compliance.now(chosen, domain.damage, empty)
+    assert np.abs(in_batches - at_once).max() < 1e-9 * np.abs(at_once).max()
+    domain.close()
+
+
 def test_compliance_of_older_factors_is_made_anew() -> None:
     domain = domain_of("factors")
     chosen = near_the_notch(domain, 3)
