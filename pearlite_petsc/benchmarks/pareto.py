@@ -83,6 +83,11 @@ ALONE: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 CLEARLY = 0.95
 """A setting beats another one where its time and its error are at most this share of the other's."""
 
+OFF_PATH = 0.02
+"""Nor may its share of common broken interfaces be lower by more: cracks that leave the reference's
+path, or end before it, have no error that counts.
+"""
+
 QUICK = {"default", "compliance 0.5", "uniform", "tolerance 1e-4"}
 
 
@@ -160,13 +165,14 @@ def measure(plan: Plan, reference: Cracks, quick: bool) -> Iterator[Measured]:
 
 
 def dominating(measured: list[Measured]) -> list[Measured]:
-    """Return the settings that are clearly cheaper and clearly more accurate than the default."""
+    """Return the settings that are clearly cheaper and more accurate than the default, paths too."""
     default = next(item for item in measured if item.name == DEFAULT)
     return [
         item
         for item in measured
         if item.comparison.seconds < CLEARLY * default.comparison.seconds
         and item.error < CLEARLY * default.error
+        and item.comparison.common > default.comparison.common - OFF_PATH
     ]
 
 

@@ -72,11 +72,12 @@ def test_geometric_mean_has_a_symmetric_interval_in_the_logarithm() -> None:
     assert mean / low == pytest.approx(high / mean) == pytest.approx(2.0)
 
 
-def test_only_a_setting_better_in_both_beats_the_default() -> None:
+def test_only_a_setting_better_in_both_and_on_the_paths_beats_the_default() -> None:
     found = compare(cracks(outcome(0.9, TWENTY)), cracks(outcome(1.0, TWENTY)))
 
-    def setting(name: str, seconds: float, error: float) -> Measured:
-        return Measured("group", name, (), replace(found, seconds=seconds, error=error))
+    def setting(name: str, seconds: float, error: float, common: float = 0.99) -> Measured:
+        values = replace(found, seconds=seconds, error=error, common=common)
+        return Measured("group", name, (), values)
 
     settings = [
         setting("default", 1.0, 0.05),
@@ -84,6 +85,7 @@ def test_only_a_setting_better_in_both_beats_the_default() -> None:
         setting("more accurate", 2.0, 0.01),
         setting("both", 0.5, 0.01),
         setting("hardly", 0.99, 0.0499),
+        setting("on other paths", 0.5, 0.01, 0.9),
     ]
     assert [item.name for item in dominating(settings)] == ["both"]
 
