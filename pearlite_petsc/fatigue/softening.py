@@ -206,7 +206,7 @@ def course_of(softening: Softening, longest: float = math.inf) -> Course:
     for _ in range(_MOST_TRIES):
         room = softening.limit - state.damage
         if lead < 0:
-            with np.errstate(divide="ignore", over="ignore"):
+            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
                 time = np.where((state.rate > 0.0) & ~relieved, room / state.rate, np.inf)
             lead = int(np.argmin(time))
             if not np.isfinite(time[lead]):
