@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -88,6 +88,9 @@ OFF_PATH = 0.02
 path, or end before it, have no error that counts.
 """
 
+ROUNDS = 2
+"""Times that each setting is measured; its time is the least, since a busy machine only adds."""
+
 QUICK = {"default", "compliance 0.5", "uniform", "tolerance 1e-4"}
 
 
@@ -111,6 +114,15 @@ class Measured:
         found = self.comparison
         return found.error if self.compares_paths else found.mean_error
 
+    def least(self, other: "Measured") -> "Measured":
+        """Return the same setting with the shorter time of two measurements."""
+        seconds = min(self.comparison.seconds, other.comparison.seconds)
+        return replace(self, comparison=replace(self.comparison, seconds=seconds))
+
+    def keeps_paths_of(self, default: "Measured") -> bool:
+        """Whether no fewer interfaces are the reference's, but for chance, than the default's."""
+        return self.comparison.common > default.comparison.common - OFF_PATH
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``bench pareto``."""
@@ -126,13 +138,16 @@ def main(args: argparse.Namespace) -> int:
     reference = grow(plan, REFERENCE)
     exact = Measured("reference", "reference", REFERENCE, compare(reference, reference))
     say(f"{len(reference)} cracks; reference: {exact.comparison.seconds:.2f} s a crack")
-    measured: list[Measured] = []
-    for item in measure(plan, reference, args.quick):
-        measured.append(item)
-        # After each, so that an interrupted run leaves what it has.
-        write_rows(args.output / "pareto.csv", [row(other) for other in (exact, *measured)])
-    draw(args.output / "pareto", measured)
-    better = dominating(measured)
+    measured: dict[str, Measured] = {}
+    for _ in range(ROUNDS):
+        for item in measure(plan, reference, args.quick):
+            measured[item.name] = item.least(measured.get(item.name, item))
+            # After each, so that an interrupted run leaves what it has.
+            rows = [row(other) for other in (exact, *measured.values())]
+            write_rows(args.output / "pareto.csv", rows)
+    settings = list(measured.values())
+    draw(args.output / "pareto", settings)
+    better = dominating(settings)
     if better:
         names = ", ".join(f"{m.name} ({m.comparison.seconds:.2f} s, {m.error:.2%})" for m in better)
         say(f"the default is not on the Pareto front; cheaper and more accurate: {names}")
@@ -172,7 +187,7 @@ def dominating(measured: list[Measured]) -> list[Measured]:
         for item in measured
         if item.comparison.seconds < CLEARLY * default.comparison.seconds
         and item.error < CLEARLY * default.error
-        and item.comparison.common > default.comparison.common - OFF_PATH
+        and item.keeps_paths_of(default)
     ]
 
 
@@ -192,6 +207,7 @@ def draw(path: Path, measured: list[Measured]) -> None:
     """Draw error over time with the Pareto front and the default marked."""
     from pearlite_petsc.output.figures.charts import Setting, draw_pareto
 
+    default = next(item for item in measured if item.name == DEFAULT)
     settings = []
     for item in measured:
         found = item.comparison
@@ -202,7 +218,14 @@ def draw(path: Path, measured: list[Measured]) -> None:
             low, high = (max(item.error + sign * found.mean_scatter, 0.0) for sign in (-1, 1))
         settings.append(
             Setting(
-                item.name, item.group, found.seconds, item.error, item.name == DEFAULT, low, high
+                item.name,
+                item.group,
+                found.seconds,
+                item.error,
+                item.name == DEFAULT,
+                low,
+                high,
+                item.keeps_paths_of(default),
             )
         )
     draw_pareto(path, settings, "time a crack on one core [s]", "error of da/dN")

@@ -90,6 +90,13 @@ def test_only_a_setting_better_in_both_and_on_the_paths_beats_the_default() -> N
     assert [item.name for item in dominating(settings)] == ["both"]
 
 
+def test_the_time_of_a_setting_is_the_shortest_of_its_rounds() -> None:
+    found = compare(cracks(outcome(0.9, TWENTY)), cracks(outcome(1.0, TWENTY)))
+    rounds = [Measured("g", "s", (), replace(found, seconds=value)) for value in (0.7, 0.5, 0.6)]
+    least = rounds[2].least(rounds[1].least(rounds[0]))
+    assert (least.comparison.seconds, least.error) == (0.5, found.error)
+
+
 @pytest.mark.parametrize(
     "other, verdict",
     [

@@ -31,6 +31,7 @@ class Setting:
         error: Relative error against the reference, >= 0.
         is_default: Whether the program uses it unless told otherwise.
         error_low, error_high: Confidence interval of the error, or None.
+        counts: Whether it may be on the front; drawn hollow if not.
     """
 
     label: str
@@ -40,6 +41,7 @@ class Setting:
     is_default: bool = False
     error_low: float | None = None
     error_high: float | None = None
+    counts: bool = True
 
 
 def pareto_front(
@@ -79,19 +81,16 @@ def draw_pareto(
         positive = error[error > 0.0]
         floor = 0.5 * positive.min() if len(positive) else 1e-6
         shown = np.maximum(error, floor)
-        front = pareto_front(cost, error)
+        counts = np.array([setting.counts for setting in settings])
+        counted = np.flatnonzero(counts)
+        front = counted[pareto_front(cost[counted], error[counted])]
         axes.step(cost[front], shown[front], where="post", color=GREY, label="Pareto front")
         for place, name in enumerate(names):
             own = np.array([setting.series == name for setting in settings])
-            colour = colours[place % len(colours)]
-            axes.plot(
-                cost[own],
-                shown[own],
-                marks[place % len(marks)],
-                color=colour,
-                label=name,
-                alpha=0.85,
-            )
+            colour, mark = colours[place % len(colours)], marks[place % len(marks)]
+            axes.plot([], [], mark, color=colour, label=name, alpha=0.85)
+            for some, fill in ((own & counts, "full"), (own & ~counts, "none")):
+                axes.plot(cost[some], shown[some], mark, color=colour, fillstyle=fill, alpha=0.85)
             for setting in settings:
                 if setting.series == name and setting.error_high is not None:
                     low = max(setting.error_low or 0.0, floor)
@@ -128,6 +127,8 @@ def draw_pareto(
                     markeredgecolor=BROKEN,
                     label="default" if setting.label in names else f"default: {setting.label}",
                 )
+        if not counts.all():
+            axes.plot([], [], "s", color=GREY, fillstyle="none", label="other paths")
         axes.xaxis.set_minor_formatter(LogFormatter(minor_thresholds=(2.0, 0.5)))
         axes.grid(True, which="both")
         axes.legend()
