@@ -93,6 +93,7 @@ class Equilibrium:
         return self
 
     def __exit__(self, *exc: object) -> None:
+        self._correct = None
         if self._upward is not None:
             self._upward.destroy()
         for ksp in (self._ksp, self._first_ksp):
