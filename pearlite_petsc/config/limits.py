@@ -8,7 +8,7 @@ MOST_RAJE_NU, MOST_MATCHED_NU = 0.2, 0.334
 MOST_AFFINE_SHEAR = 0.45
 """gamma up to which the moduli of an affinely sheared mesh are right within 10 %."""
 
-LONGEST_STEP = {"euler": 0.05, "heun": 0.1, "exponential": 0.1}
+LONGEST_STEP = {"euler": 0.05, "heun": 0.2, "exponential": 0.1}
 """delta_d up to which da/dN is right within 10 %, as ``bench jumps`` measures it too."""
 
 SMALLEST_WINDOW = 32.0

@@ -1,5 +1,6 @@
 """Which interfaces soften together in a block, and what couples them."""
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -21,6 +22,11 @@ CHANGED = 0.02
 
 MOST_TAKEN = 60
 """Interfaces of one set of factors; then new factors are cheaper."""
+
+PULL_REACH = 0.1
+"""Share of its distance from the window's edge that the tip may move until the pull of the load is
+computed anew.
+"""
 
 _PULL = 1.0
 """Length over which the load is moved to see what that does [um]."""
@@ -156,7 +162,7 @@ class Coupling:
             self._domain.drop_compliance()
             compliance, wanted = self._domain.compliance(), numbers
         compliance.take(wanted)
-        if self._pull is None or compliance is not before:
+        if self._pull is None or compliance is not before or self._has_left_pull():
             self._pull_tip = self._tracker.tip
             self._pull = self._pulls(compliance)
         return compliance.now(numbers, damage, self._pull)
@@ -167,6 +173,12 @@ class Coupling:
         far = np.abs(damage - compliance.set_up_damage) > CHANGED
         mine = domain.part.interface[far & domain.part.owned]
         return np.asarray(np.concatenate(domain.comm.allgather(mine)))
+
+    def _has_left_pull(self) -> bool:
+        """Return whether the tip has moved so far that the load's pull there is another one."""
+        window, (x, y) = self._domain.scene.window, self._pull_tip
+        room = min(window.width - x, y, window.height - y)
+        return math.dist(self._pull_tip, self._tracker.tip) > PULL_REACH * room
 
     def _pulls(self, compliance: Compliance) -> FloatArray:
         x, y = self._pull_tip

@@ -82,6 +82,19 @@ def test_crack_on_the_mesh_that_follows_it_is_that_of_the_uniform_mesh(state: st
     assert follows.cycles == pytest.approx(uniform.cycles, rel=0.03)
 
 
+def test_load_whose_pull_changes_fast_near_the_window_edge_is_followed() -> None:
+    # One straight crack through one colony, to a fifth of the window's width from its edge.
+    scene = small_scene(
+        window={"width": 60.0, "height": 60.0, "notch": 15.0},
+        microstructure={"prior_austenite_grain": 1e4, "block": 1e4, "colony": 1e4},
+        loading={"extension": 30.0},
+    )
+    whole = grow(scene, "severe_AT", 12e3)
+    fine = grow(replace(scene, cycle_jump=replace(scene.cycle_jump, delta_d=0.2)), "severe_AT", 12e3)
+    assert np.array_equal(whole.broken_pairs, fine.broken_pairs)
+    assert whole.cycles == pytest.approx(fine.cycles, rel=0.03)
+
+
 def test_direct_and_iterative_solver_grow_one_crack() -> None:
     iterative = grow(small_scene())
     direct = grow(small_scene(solver={"method": "direct"}))
