@@ -89,8 +89,14 @@ def test_load_whose_pull_changes_fast_near_the_window_edge_is_followed() -> None
         microstructure={"prior_austenite_grain": 1e4, "block": 1e4, "colony": 1e4},
         loading={"extension": 30.0},
     )
-    whole = grow(scene, "severe_AT", 12e3)
-    fine = grow(replace(scene, cycle_jump=replace(scene.cycle_jump, delta_d=0.2)), "severe_AT", 12e3)
+    prepared, outcomes = prepare_growth(scene, STATES["severe_AT"], 4), []
+    for step in (1.0, 0.2):
+        jump = replace(scene.cycle_jump, delta_d=step)
+        stepped = replace(scene, cycle_jump=jump)
+        growth = CrackGrowth(MPI.COMM_SELF, stepped, STATES["severe_AT"], 12e3, prepared)
+        outcomes.append(growth.grown())
+    whole, fine = outcomes
+    assert whole is not None and fine is not None
     assert np.array_equal(whole.broken_pairs, fine.broken_pairs)
     assert whole.cycles == pytest.approx(fine.cycles, rel=0.03)
 
