@@ -142,6 +142,7 @@ class WithPetsc:
             if old is not None:
                 old.destroy()
         self._ksp = make_solver(self._matrix, self._settings, FIRST_TOLERANCE)
+        self._upward = None
         if self._halves and allows_upward(self._ksp, PREFIX, WARM_TOLERANCE):
             self._upward = UpwardCycle(self._ksp, PREFIX)
 

@@ -139,6 +139,9 @@ class Coupling:
     def memory(self) -> tuple[FloatArray | None, dict[str, FloatArray]]:
         """Return what going on needs: the damage of the factors (k,) if any, and small arrays."""
         known = self._domain.known_compliance
+        if known is not None and known.is_outdated:
+            # The next block makes another one, here as in a run that goes on from the checkpoint.
+            known = None
         taken = np.empty((2, 0)) if known is None else np.stack([known.taken, known.batch])
         small = {"coupling_taken": taken.astype(float), "coupling_tip": np.array(self._pull_tip)}
         return (None if known is None else known.set_up_damage), small

@@ -42,7 +42,11 @@ class Follower:
         return bool(comm.allreduce(near, MPI.LOR))
 
     def move(self, front: FloatArray) -> None:
-        """Cover the front with discs; points closer than a quarter radius share one."""
+        """Cover the front with discs; points closer than a quarter radius share one.
+
+        Args:
+            front: Points by rising x, so that those that share a disc lie ahead of its first [um].
+        """
         radius = self._elements.radius
         centres = np.empty((0, 2))
         for point in front:

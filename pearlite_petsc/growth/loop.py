@@ -316,8 +316,8 @@ class CrackGrowth:
             row = (self.cycles, crack_length, self._tracker.path_length, self._tracker.broken)
             self._history.append(row)
         stop = self._reason_to_stop(reached)
-        # A crack that has ended may have cut the window in two: its end, not an error.
-        if self._loose is not None and stop is not StopReason.BOUNDARY:
+        # At the window's edge a crack may have cut it in two: its end, not an error.
+        if self._loose is not None and not self._follower.touches_boundary(reached):
             self._loose.take(numbers)
         return stop
 

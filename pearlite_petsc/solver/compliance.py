@@ -154,7 +154,11 @@ class Compliance:
         let_go = self._let_go(damage)
         if not let_go.any():
             return None
-        system = let_go[:, None] * np.linalg.inv(np.eye(len(let_go)) - self._set_up * let_go)
+        try:
+            system = let_go[:, None] * np.linalg.inv(np.eye(len(let_go)) - self._set_up * let_go)
+        except np.linalg.LinAlgError:
+            # What hung on them alone is loose; the factors as they are go on.
+            return None
         operator, unknown = self._rows_of(self.taken)
 
         def correction(solution: FloatArray) -> FloatArray:

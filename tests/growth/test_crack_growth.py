@@ -73,6 +73,31 @@ def test_crack_goes_on_from_a_checkpoint_bit_for_bit(state: str) -> None:
         assert rest.counters == whole.counters
 
 
+def test_factors_made_anew_in_a_block_are_made_anew_after_a_checkpoint_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("pearlite_petsc.solver.equilibrium.setup_cost", lambda _: -1.0)
+    scene = small_scene(
+        elements={"refinement": "uniform", "width": 3.0, "length": 6.0},
+        solver={"method": "factors", "relative_tolerance": 1e-9},
+    )
+    prepared = prepared_for(scene, STATES["undeformed"])
+    growth = CrackGrowth(MPI.COMM_SELF, scene, STATES["undeformed"], DELTA_K, prepared)
+    checkpoints = []
+    for step in growth.steps():
+        known = growth.domain.known_compliance
+        if step.stop is None and known is not None and known.is_outdated:
+            checkpoints.append(growth.checkpoint())
+    assert step.stop is not None and checkpoints
+    whole = growth.outcome(step.stop)
+    growth.close()
+    assert whole is not None and whole.history is not None
+    for checkpoint in checkpoints[:3]:
+        rest = grow(scene, checkpoint=checkpoint)
+        assert np.array_equal(rest.history, whole.history)
+        assert rest.counters == whole.counters
+
+
 @pytest.mark.parametrize("state", ["moderate_AT", "severe_AT", "moderate_TA"])
 def test_crack_on_the_mesh_that_follows_it_is_that_of_the_uniform_mesh(state: str) -> None:
     follows = grow(small_scene(), state)
