@@ -126,6 +126,17 @@ def test_load_whose_pull_changes_fast_near_the_window_edge_is_followed() -> None
     assert whole.cycles == pytest.approx(fine.cycles, rel=0.03)
 
 
+def test_crack_that_ends_at_the_window_edge_has_grown_all_the_same() -> None:
+    scene = small_scene(
+        window={"width": 36.0, "height": 36.0, "notch": 3.0},
+        microstructure={"prior_austenite_grain": 1e4, "block": 1e4, "colony": 1e4},
+        loading={"extension": 30.0},
+    )
+    outcome = grow(scene, "severe_AT", 12e3)
+    assert outcome.stop_reason is StopReason.GROWN
+    assert outcome.extension > 30.0
+
+
 def test_direct_and_iterative_solver_grow_one_crack() -> None:
     iterative = grow(small_scene())
     direct = grow(small_scene(solver={"method": "direct"}))
