@@ -124,8 +124,7 @@ class CycleJump:
 @dataclass(frozen=True, slots=True)
 class Solver:
     """Linear solver: CG with GAMG ("iterative") or old factors ("factors"), "auto" by the size of
-    the matrix, or "direct"; relative
-    tolerance; limit of solves a task.
+    the matrix, or "direct"; relative tolerance; limit of solves a task.
     """
 
     method: Literal["auto", "iterative", "factors", "direct"]

@@ -49,6 +49,6 @@ def method_warnings(scene: Scene) -> list[str]:
         warnings.append(
             f"window of {scene.window.width:g} x {scene.window.height:g} um with elements of up to "
             f"{longer:g} um: below {SMALLEST_WINDOW * longer:g} um da/dN is too high by more than "
-            "10 % (11 elements across: 35 %, 30: 12 %)."
+            "10 % (15 elements across: 30 %, 30: 13 %)."
         )
     return warnings

@@ -9,7 +9,7 @@ from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
 from pearlite_petsc.scene import Kind, Scene
 from pearlite_petsc.tessellation.build import Substrate, tessellate
 from pearlite_petsc.tessellation.mesh import Mesh
-from pearlite_petsc.tessellation.zone import FineZone
+from pearlite_petsc.tessellation.zone import NOWHERE, FineZone
 
 ACTIVE_DAMAGE = 0.05
 """Unbroken interfaces with more damage belong to the crack's front."""
@@ -52,7 +52,7 @@ class Follower:
         for point in front:
             if not len(centres) or np.hypot(*(centres - point).T).min() > 0.25 * radius:
                 centres = np.vstack([centres, point])
-        self.zone = FineZone(np.empty((0, 4)), np.empty((0, 3))).with_discs(centres, radius)
+        self.zone = NOWHERE.with_discs(centres, radius)
 
     def mesh(self, substrate: Substrate, old: Mesh, damage: FloatArray) -> Mesh:
         """Return the mesh of the moved zone; elements round damaged interfaces stay."""

@@ -76,7 +76,7 @@ class Compliance:
         most = max(1, int(MOST_AT_ONCE / (9 * self.part.total)))
         for start in range(0, len(new), most):
             self._take(new[start : start + most])
-        if len(new) and self._corrects:
+        if len(new):
             self._equilibrium.correct(self._factors, self._correction)
 
     def _take(self, new: IntArray) -> None:
@@ -113,9 +113,7 @@ class Compliance:
         """
         found = []
         for load in loads:
-            scaled = load.copy()
-            scaled[:, 2] /= self.part.rotation
-            self._b.setArray(scaled.ravel())
+            self._b.setArray(self.part.right_hand_side(load))
             with stage("solve"):
                 self._factors.apply(self._b, self._x)
                 found.append(self._equilibrium.jumps(self._equilibrium.values(self._x)))
@@ -159,7 +157,7 @@ class Compliance:
         except np.linalg.LinAlgError:
             # What hung on them alone is loose; the factors as they are go on.
             return None
-        operator, unknown = self._rows_of(self.taken)
+        operator, unknown = self._rows_of(places_owned(self.part, self.taken)[1])
 
         def correction(solution: FloatArray) -> FloatArray:
             opened = operator @ solution[unknown][:, :, None]
@@ -167,9 +165,8 @@ class Compliance:
 
         return correction
 
-    def _rows_of(self, numbers: IntArray) -> tuple[FloatArray, IntArray]:
-        """Return B (a, 3, 6) of interfaces that this rank owns, and which unknowns it takes; (a, 6)."""
-        _, place = places_owned(self.part, numbers)
+    def _rows_of(self, place: IntArray) -> tuple[FloatArray, IntArray]:
+        """Return B (a, 3, 6) of this rank's interfaces, and which unknowns it takes; (a, 6)."""
         elements = self.part.numbers[self.part.pairs[place]]
         unknown = (3 * elements[:, :, None] + np.arange(3)).reshape(-1, 6)
         return self._equilibrium.operator[place], unknown
@@ -179,8 +176,8 @@ class Compliance:
 
         Shape (own + g, 3, 3 a).
         """
-        row, _ = places_owned(self.part, numbers)
-        operator, unknown = self._rows_of(numbers)
+        row, place = places_owned(self.part, numbers)
+        operator, unknown = self._rows_of(place)
         if self._comm.size == 1 and self._factors.getType() in _FACTORS:
             shape = 3 * self.part.own, 3 * len(numbers)
             load, found = (PETSc.Mat().createDense(shape, comm=self._comm) for _ in range(2))

@@ -130,9 +130,7 @@ class Equilibrium:
         Raises:
             SolverError: Neither CG nor a direct solver found the equilibrium.
         """
-        scaled = load.copy()
-        scaled[:, 2] /= self.part.rotation
-        self._b.setArray(scaled.ravel())
+        self._b.setArray(self.part.right_hand_side(load))
         if guess is not None:
             self._x.setArray(guess[: self.part.own].ravel())
         self.counters["solves"] += 1

@@ -72,6 +72,14 @@ class Part:
         """Return B of the part's interfaces; shape (k, 3, 6)."""
         return jump_operator(self.centre, self.pairs, self.midpoint, self.normal, self.rotation)
 
+    def right_hand_side(self, load: FloatArray) -> FloatArray:
+        """Return a load in the units of the unknowns; (3 own,).
+
+        Args:
+            load: (F_x, F_y, M) on own elements [uN, uN, uN um]; (own, 3).
+        """
+        return np.asarray((load / np.array([1.0, 1.0, self.rotation])).ravel())
+
     def spring_constants(self) -> FloatArray:
         """Return the intact k_n l, k_t l, k_n l^3/12 of the part's interfaces; shape (k, 3)."""
         return spring_constants(self.stiffness, self.length)

@@ -42,14 +42,16 @@ class FineZone:
         return FineZone(self.boxes, np.concatenate([self.discs, discs]))
 
 
+NOWHERE = FineZone(np.empty((0, 4)), np.empty((0, 3)))
+
+
 def initial_zone(scene: Scene) -> FineZone:
     """Return the zone that a mesh starts with, by ``scene.elements.refinement``."""
     window, elements = scene.window, scene.elements
-    nothing = FineZone(np.empty((0, 4)), np.empty((0, 3)))
     if elements.refinement == "uniform" or elements.shear == "affine":
-        return FineZone(np.array([[0.0, 0.0, window.width, window.height]]), nothing.discs)
+        return FineZone(np.array([[0.0, 0.0, window.width, window.height]]), NOWHERE.discs)
     middle = 0.5 * window.height
     if elements.refinement == "corridor":
         low, high = middle - elements.corridor, middle + elements.corridor
-        return FineZone(np.array([[0.0, low, window.width, high]]), nothing.discs)
-    return nothing.with_discs(np.array([[window.notch, middle]]), elements.radius)
+        return FineZone(np.array([[0.0, low, window.width, high]]), NOWHERE.discs)
+    return NOWHERE.with_discs(np.array([[window.notch, middle]]), elements.radius)

@@ -107,13 +107,17 @@ def test_crack_on_the_mesh_that_follows_it_is_that_of_the_uniform_mesh(state: st
     assert follows.cycles == pytest.approx(uniform.cycles, rel=0.03)
 
 
-def test_load_whose_pull_changes_fast_near_the_window_edge_is_followed() -> None:
-    # One straight crack through one colony, to a fifth of the window's width from its edge.
-    scene = small_scene(
-        window={"width": 60.0, "height": 60.0, "notch": 15.0},
+def one_colony(size: float, notch: float) -> Scene:
+    """Return a window so small that a crack of 30 um comes to its edge."""
+    return small_scene(
+        window={"width": size, "height": size, "notch": notch},
         microstructure={"prior_austenite_grain": 1e4, "block": 1e4, "colony": 1e4},
         loading={"extension": 30.0},
     )
+
+
+def test_load_whose_pull_changes_fast_near_the_window_edge_is_followed() -> None:
+    scene = one_colony(60.0, 15.0)
     prepared, outcomes = prepare_growth(scene, STATES["severe_AT"], 4), []
     for step in (1.0, 0.2):
         jump = replace(scene.cycle_jump, delta_d=step)
@@ -127,12 +131,7 @@ def test_load_whose_pull_changes_fast_near_the_window_edge_is_followed() -> None
 
 
 def test_crack_that_ends_at_the_window_edge_has_grown_all_the_same() -> None:
-    scene = small_scene(
-        window={"width": 36.0, "height": 36.0, "notch": 3.0},
-        microstructure={"prior_austenite_grain": 1e4, "block": 1e4, "colony": 1e4},
-        loading={"extension": 30.0},
-    )
-    outcome = grow(scene, "severe_AT", 12e3)
+    outcome = grow(one_colony(36.0, 3.0), "severe_AT", 12e3)
     assert outcome.stop_reason is StopReason.GROWN
     assert outcome.extension > 30.0
 
