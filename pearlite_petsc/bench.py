@@ -22,6 +22,7 @@ SUBCOMMANDS = {
     "solver": "iterations, time and memory of the solver, other solvers beside",
     "jumps": "error against solves of every jump in cycles",
     "stability": "where methods fail, and how",
+    "memory": "memory of a run against the number of its meshes",
     "campaign": "the cracks of a scene against the plain baseline",
 }
 

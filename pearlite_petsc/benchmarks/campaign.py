@@ -8,6 +8,7 @@ all. Either way a crack is charged with its part of a mesh that all loads of the
 
 import argparse
 import csv
+import json
 import os
 import resource
 import subprocess
@@ -46,6 +47,7 @@ class Run:
     Attributes:
         seconds: Wall time [s].
         busy: Processor time of all ranks [s]; over the ranks it is the wall time on idle cores.
+        memory: Largest memory of a rank [MB].
     """
 
     tasks: int
@@ -54,6 +56,7 @@ class Run:
     failed: int
     solves: int
     broken: int
+    memory: float
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -150,12 +153,13 @@ def timed_run(path: Path, overrides: list[str], ranks: int) -> Run:
         with (output / "fcg.csv").open(newline="", encoding="utf-8") as file:
             tasks = list(csv.DictReader(file))
         broken = sum(map(_broken, (output / "growth").glob("*.csv")))
+        facts = json.loads((output / "provenance.json").read_text(encoding="utf-8"))
     failed = [row for row in tasks if row["stop_reason"] == "failed"]
     for row in failed:
         say(f"failed: {row['state']} mesh {row['mesh']} at {row['delta_k_mpa_sqrt_m']}")
-    return Run(
-        len(tasks), seconds, busy, len(failed), sum(int(row["solves"]) for row in tasks), broken
-    )
+    solves = sum(int(row["solves"]) for row in tasks)
+    memory = float(facts["largest_memory_of_a_rank_mb"])
+    return Run(len(tasks), seconds, busy, len(failed), solves, broken, memory)
 
 
 def _children() -> float:

@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any, TypeVar
 
@@ -272,6 +273,8 @@ class CrackGrowth:
             chosen = np.flatnonzero(broken & ((kind == Kind.NOTCH) == notch))
             _, pairs, junctions, ends = domain.share_edges(chosen)
             self._tracker.add(pairs, junctions, ends, notch=notch)
+        # Not a method of this crack: in a cycle, a mesh would stay until garbage is collected.
+        self._load_at = partial(domain.load, self.delta_k)
         self._coupling = Coupling(domain, self._tracker, self._load_at)
         self._blocks = Blocks(self.scene, self.state, domain, self._coupling, cycles)
         self._loose = on_first(
@@ -288,9 +291,6 @@ class CrackGrowth:
         self._unknowns = self.domain.equilibrium.solve(self._load)
         self.solves += 1
         return self.domain.equilibrium.jumps(self._unknowns)
-
-    def _load_at(self, tip: tuple[float, float]) -> FloatArray:
-        return self.domain.load(self.delta_k, tip)
 
     def _cuts_through(self, broken: IntArray) -> bool:
         """Return whether breaks on trial bring the crack to the window's edge. Collective.

@@ -134,6 +134,14 @@ def test_sample_of_the_campaign_spreads_over_states_and_loads() -> None:
     assert {plan.states for plan in plans} == {(state.name,) for state in scene.states}
 
 
+def test_memory_is_that_of_the_rank_that_grew_the_meshes(tmp_path: Path) -> None:
+    assert main(["memory", "--quick", "--output", str(tmp_path)]) == 0
+    few, more = rows(tmp_path / "memory.csv")
+    assert (few["meshes"], more["meshes"]) == ("2", "10")
+    assert few["failed"] == more["failed"] == "0"
+    assert 80.0 < float(few["memory_mb"]) < 400.0
+
+
 def test_benchmark_that_does_not_exist_is_bad_input() -> None:
     with pytest.raises(SystemExit) as stopped:
         main(["nothing"])

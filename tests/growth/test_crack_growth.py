@@ -1,5 +1,7 @@
 """One crack: what its growth must and must not depend on."""
 
+import gc
+import weakref
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -51,6 +53,23 @@ def grow(
     outcome = growth.grown()
     assert outcome is not None
     return outcome
+
+
+@pytest.mark.parametrize("method", ["factors", "iterative", "direct"])
+def test_a_crack_leaves_nothing_behind_for_the_garbage_collector(method: str) -> None:
+    scene = small_scene(solver={"method": method}, loading={"extension": 8.0})
+    steel = STATES["severe_AT"]
+    growth = CrackGrowth(MPI.COMM_SELF, scene, steel, DELTA_K, prepared_for(scene, steel))
+    gc.collect()
+    gc.disable()
+    try:
+        outcome = growth.grown()
+        assert outcome is not None and outcome.refinements > 0
+        domain, crack = weakref.ref(growth.domain), weakref.ref(growth)
+        del growth
+        assert domain() is None and crack() is None
+    finally:
+        gc.enable()
 
 
 @pytest.mark.parametrize("state", ["undeformed", "severe_AT", "moderate_TA"])
