@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from time import perf_counter
 from typing import Any
 
 from pearlite_petsc.benchmarks.table import say, write_rows
@@ -25,6 +26,11 @@ MOST_WARM = 2.0
 """Processor time of a warm solve [ms per 1,000 unknowns]."""
 
 LEAST_SPEED_UP = 1.6
+MOST_ROUNDS, ENOUGH_SECONDS = 3, 100.0
+"""Rounds of a method, of which the shortest times count: others on the machine only lengthen them.
+None begins after so long.
+"""
+
 LARGE, LARGEST = 5e4, 5e5
 """Unknowns from which the bars on time and on two ranks hold."""
 
@@ -65,7 +71,10 @@ def main(args: argparse.Namespace) -> int:
 
 
 def measure(sizes: Sequence[float], methods: Sequence[str]) -> Iterator[Row]:
-    """Yield a row for every method, size and crack; the default on two ranks too."""
+    """Yield a row for every method, size and crack; the default on two ranks too.
+
+    The rounds of one and of two ranks take turns, so that both meet the machine alike.
+    """
     for size in sizes:
         with TemporaryDirectory() as folder:
             make = (
@@ -77,8 +86,19 @@ def measure(sizes: Sequence[float], methods: Sequence[str]) -> Iterator[Row]:
             # In a process of its own: the mesh must not count as memory of what follows.
             _run([sys.executable, "-c", make, folder, str(size), *map(str, RANKS)])
             for method in methods:
-                for ranks in RANKS if method == OWN else RANKS[:1]:
-                    yield from _case(Path(folder), method, ranks)
+                counts = RANKS if method == OWN else RANKS[:1]
+                rounds: list[list[Row]] = []
+                started = perf_counter()
+                while len(rounds) < MOST_ROUNDS and perf_counter() - started < ENOUGH_SECONDS:
+                    cases = (_case(Path(folder), method, ranks) for ranks in counts)
+                    rounds.append([row for case in cases for row in case])
+                yield from map(shortest, zip(*rounds, strict=True))
+
+
+def shortest(rows: Sequence[Row]) -> Row:
+    """Return the row of the shortest time to solution with the shortest warm solve of all."""
+    best = min(rows, key=lambda row: float(row["solution_s"]))
+    return best | {"warm_solve_s": min(row["warm_solve_s"] for row in rows)}
 
 
 def _case(folder: Path, method: str, ranks: int) -> Iterator[Row]:
