@@ -10,7 +10,7 @@ from pearlite_petsc.bench import main
 from pearlite_petsc.benchmarks.campaign import BASELINE, new_hierarchies, sample
 from pearlite_petsc.benchmarks.cracks import Plan, grow
 from pearlite_petsc.benchmarks.jumps import DEFAULT
-from pearlite_petsc.benchmarks.solver import bars
+from pearlite_petsc.benchmarks.solver import bars, shortest
 from pearlite_petsc.config import load_scene, load_scene_text
 
 
@@ -125,6 +125,12 @@ def test_bars_of_the_solver_are_missed_by_what_is_slower_than_others() -> None:
     assert found["warm solve [ms per 1"] == pytest.approx(0.5)
     assert found["time to solution over that of MUMPS"] == pytest.approx(2.0)
     assert found["memory of a rank over that of one alone"] == pytest.approx(0.6)
+
+
+def test_the_shortest_of_the_rounds_counts_with_its_parts() -> None:
+    slow = {"setup_s": 1.0, "first_solve_s": 3.0, "solution_s": 4.0, "warm_solve_s": 0.1}
+    fast = {"setup_s": 2.0, "first_solve_s": 1.0, "solution_s": 3.0, "warm_solve_s": 0.2}
+    assert shortest([slow, fast]) == fast | {"warm_solve_s": 0.1}
 
 
 def test_sample_of_the_campaign_spreads_over_states_and_loads() -> None:
