@@ -6,11 +6,13 @@
 
 import argparse
 import importlib
+import math
 import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from pearlite_petsc.errors import SceneError
+from pearlite_petsc.output.whole_file import make_folder
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -25,6 +27,9 @@ SUBCOMMANDS = {
     "memory": "memory of a run against the number of its meshes",
     "campaign": "the cracks of a scene against the plain baseline",
 }
+
+LEAST = {"meshes": 1, "ranks": 1, "tasks": 1, "unknowns": 1000}
+"""Least values of the options that are numbers."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -44,12 +49,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         prog=f"python -m pearlite_petsc.bench {chosen.name}", description=module.__doc__
     )
     module.add_arguments(own)
+    options = own.parse_args(given[1:])
     try:
-        status: int = module.main(own.parse_args(given[1:]))
+        _check_numbers(options)
+        make_folder(options.output)
+        status: int = module.main(options)
     except SceneError as error:
         sys.stderr.write(f"{error}\n")
         return 2
     return status
+
+
+def _check_numbers(options: argparse.Namespace) -> None:
+    for name, least in LEAST.items():
+        given = getattr(options, name, None)
+        for value in given if isinstance(given, list) else [given]:
+            if value is not None and not least <= value < math.inf:
+                raise SceneError(f"--{name} {value:g} must be a number of at least {least:g}")
 
 
 def world() -> "MPI.Comm":

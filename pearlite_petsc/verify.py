@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 
+from pearlite_petsc.errors import SceneError
+from pearlite_petsc.output.whole_file import make_folder
+
 _EXAMPLES = """examples:
   python -m pearlite_petsc.verify
   python -m pearlite_petsc.verify --quick --output /tmp/verification
@@ -59,7 +62,11 @@ def verify(effort: str, folder: Path, only: Sequence[str]) -> int:
         sys.stderr.write(f"--only {unknown[0]} is unknown; known: {', '.join(SECTIONS)}\n")
         return 2
     setting = Setting(Effort[effort], folder)
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        make_folder(folder)
+    except SceneError as error:
+        sys.stderr.write(f"{error}\n")
+        return 2
     sections: dict[str, Section] = {}
     for name, compute in SECTIONS.items():
         if only and name not in only:

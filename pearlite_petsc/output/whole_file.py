@@ -1,8 +1,10 @@
-"""Files appear whole or not at all."""
+"""Files appear whole or not at all, in folders that can take them."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from pearlite_petsc.errors import SceneError
 
 
 @contextmanager
@@ -19,3 +21,15 @@ def whole_file(path: Path) -> Iterator[Path]:
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def make_folder(path: Path) -> None:
+    """Make an output folder if need be, before what is to go there is computed.
+
+    Raises:
+        SceneError: There is something else, or it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be used as output: {error.strerror}") from None

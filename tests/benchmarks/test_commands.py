@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pearlite_petsc.bench import main
+from pearlite_petsc.bench import SUBCOMMANDS, main
 from pearlite_petsc.benchmarks.campaign import BASELINE, new_hierarchies, sample
 from pearlite_petsc.benchmarks.cracks import Plan, grow
 from pearlite_petsc.benchmarks.jumps import DEFAULT
@@ -152,6 +152,35 @@ def test_benchmark_that_does_not_exist_is_bad_input() -> None:
     with pytest.raises(SystemExit) as stopped:
         main(["nothing"])
     assert stopped.value.code == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["solver", "--unknowns", "-5"], "--unknowns -5 must be a number of at least 1000"),
+        (["solver", "--unknowns", "inf"], "--unknowns inf must be a number of at least 1000"),
+        (["means", "--meshes", "0"], "--meshes 0 must be a number of at least 1"),
+        (["campaign", "--ranks", "0"], "--ranks 0 must be a number of at least 1"),
+    ],
+)
+def test_numbers_that_mean_nothing_are_refused(
+    arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*arguments, "--output", str(tmp_path / "new")]) == 2
+    assert capsys.readouterr().err == said + "\n"
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("name", SUBCOMMANDS)
+def test_an_output_that_is_a_file_is_refused_before_anything_is_measured(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "file"
+    file.write_text("kept")
+    assert main([name, "--output", str(file)]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", f"{file}: cannot be used as output: File exists\n")
+    assert file.read_text() == "kept"
 
 
 def test_the_baseline_of_the_campaign_makes_a_hierarchy_for_every_solve() -> None:

@@ -63,6 +63,17 @@ def test_an_unknown_section_is_refused_with_the_known_ones(
     assert not (tmp_path / "new").exists()
 
 
+def test_an_output_that_is_a_file_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "file"
+    file.write_text("kept")
+    assert main(["--quick", "--output", str(file)]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", f"{file}: cannot be used as output: File exists\n")
+    assert file.read_text() == "kept"
+
+
 def test_numbers_at_and_off_their_tolerance_and_nan() -> None:
     section = Section("")
     section.close("", "", 1.0, 1.5, 0.5)
