@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
-from matplotlib.ticker import LogFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.output.figures.style import (
@@ -72,6 +72,7 @@ def draw_pareto(
         cost_label, error_label: With units.
     """
     names = list(dict.fromkeys(setting.series for setting in settings))
+    defaults = {setting.label for setting in settings if setting.is_default}
     colours = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
     marks = ("o", "s", "^", "D", "v", "P", "X")
     with drawing(path, WIDTH, 4.6) as figure:
@@ -88,7 +89,8 @@ def draw_pareto(
         for place, name in enumerate(names):
             own = np.array([setting.series == name for setting in settings])
             colour, mark = colours[place % len(colours)], marks[place % len(marks)]
-            axes.plot([], [], mark, color=colour, label=name, alpha=0.85)
+            if name not in defaults:
+                axes.plot([], [], mark, color=colour, label=name, alpha=0.85)
             for some, fill in ((own & counts, "full"), (own & ~counts, "none")):
                 axes.plot(cost[some], shown[some], mark, color=colour, fillstyle=fill, alpha=0.85)
             for setting in settings:
@@ -129,7 +131,9 @@ def draw_pareto(
                 )
         if not counts.all():
             axes.plot([], [], "s", color=GREY, fillstyle="none", label="other paths")
-        axes.xaxis.set_minor_formatter(LogFormatter(minor_thresholds=(2.0, 0.5)))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.grid(True, which="both")
         axes.legend()
 
