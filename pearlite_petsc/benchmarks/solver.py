@@ -26,9 +26,9 @@ MOST_WARM = 2.0
 """Processor time of a warm solve [ms per 1,000 unknowns]."""
 
 LEAST_SPEED_UP = 1.6
-MOST_ROUNDS, ENOUGH_SECONDS = 3, 100.0
+MOST_ROUNDS, ENOUGH_SECONDS = 5, 150.0
 """Rounds of a method, of which the shortest times count: others on the machine only lengthen them.
-None begins after so long.
+None begins after so long for each number of ranks.
 """
 
 LARGE, LARGEST = 5e4, 5e5
@@ -89,7 +89,8 @@ def measure(sizes: Sequence[float], methods: Sequence[str], most_rounds: int) ->
                 counts = RANKS if method == OWN else RANKS[:1]
                 rounds: list[list[Row]] = []
                 started = perf_counter()
-                while len(rounds) < most_rounds and perf_counter() - started < ENOUGH_SECONDS:
+                enough = ENOUGH_SECONDS * len(counts)
+                while len(rounds) < most_rounds and perf_counter() - started < enough:
                     cases = (_case(Path(folder), method, ranks) for ranks in counts)
                     rounds.append([row for case in cases for row in case])
                     if not rounds[-1]:
