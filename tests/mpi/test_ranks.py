@@ -54,3 +54,11 @@ def test_more_ranks_a_task_break_the_same_interfaces(
         assert mine.broken_pairs is not None and len(mine.broken_pairs)
         assert np.array_equal(mine.broken_pairs, other.broken_pairs)
         assert mine.da_dn == pytest.approx(other.da_dn, rel=1e-6)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_half_cycles_are_for_one_rank_alone(ranks: int, tmp_path: Path) -> None:
+    loose = ("--set", "solver.method=iterative", "--set", "solver.relative_tolerance=1e-6")
+    done = run(ranks, tmp_path, "--ranks-per-task", ranks, *SHORT, *loose)
+    assert done.returncode == 0, done.stderr
+    assert [("upward" in crack.counters) for crack in outcomes(tmp_path)] == [ranks == 1] * 3
