@@ -276,6 +276,17 @@ set_up() {
     exec 9<&-
 }
 
+cores() {
+    # nproc would answer with OMP_NUM_THREADS.
+    count=$(env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc)
+    # It does not see a container's share of processor time.
+    if read -r quota period 2>/dev/null </sys/fs/cgroup/cpu.max && [ "$quota" != max ]; then
+        share=$(((quota + period - 1) / period))
+        [ "$share" -ge "$count" ] || count=$share
+    fi
+    echo "$count"
+}
+
 ranks() {
     if [ -n "${PEARLITE_RANKS:-}" ]; then
         case $PEARLITE_RANKS in
@@ -284,14 +295,7 @@ ranks() {
         echo "$PEARLITE_RANKS"
         return
     fi
-    # nproc would answer with OMP_NUM_THREADS.
-    cores=$(env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc)
-    # It does not see a container's share of processor time.
-    if read -r quota period 2>/dev/null </sys/fs/cgroup/cpu.max && [ "$quota" != max ]; then
-        share=$(((quota + period - 1) / period))
-        [ "$share" -ge "$cores" ] || cores=$share
-    fi
-    echo "$cores"
+    cores
 }
 
 two_rank_run() {
@@ -324,7 +328,7 @@ run_checks() {
     check "types" mypy --strict pearlite_petsc
     check "two ranks" two_rank_run
     # Last, so that its closing line is the last one of the output.
-    check "tests" python -m pytest "$@"
+    check "tests" python -m pytest -n "$(cores)" --dist worksteal "$@"
     [ -z "$failed" ] || fail "failed: ${failed#, }"
 }
 
