@@ -10,12 +10,19 @@ from pearlite_petsc.solver.options import default_options
 from pearlite_petsc.solver.part import Part
 from pearlite_petsc.solver.petsc import PETSc
 
-GROUNDING = 1e-8
-"""Stiffness to ground of all unknowns together, as a share of the intact matrix's mean diagonal.
+GROUNDING = 3e-14
+"""Stiffness to ground of each unknown, as a share of its intact element's mean diagonal.
 
-Shared out evenly: a fixed stiffness for each would hold a large body by more than a small one (1e-8
-of the diagonal lowered K by 1 % at 40,000 elements). da/dN of 1,000 elements is lower by 3e-7;
-1e-6 lowers it by 3e-5, 1e-3 by 3 %.
+Above what rounding leaves of a loose cluster's rigid motions, and far below every load: all together
+hold a body of 1e6 elements by 3e-8 of one diagonal, which lowers da/dN by 1e-6.
+"""
+
+SUPPORT = 1e-2
+"""Stiffness of each of three supports, statically determinate, as a share of that diagonal.
+
+They carry nothing of a load in balance. Held by the grounding alone, the rigid motions cost so
+little that a hierarchy must have them exactly; where GAMG drops a coarse unknown that has no strong
+neighbours, CG goes up again by a factor of 1e2 and takes 20 to 40 more iterations.
 """
 
 PLAIN_ROWS = {"mat_no_inode": "true"}
@@ -26,7 +33,7 @@ _CHUNK = 4096
 
 
 class StiffnessMatrix:
-    """K = sum of B^T diag((1 - D) k) B over interfaces, plus the grounding. Collective.
+    """K = sum of B^T diag((1 - D) k) B over interfaces, grounding and supports. Collective.
 
     Every value is a function of the current damage alone: an update sums the blocks that the
     changed interfaces touch anew and inserts them, so that nothing drifts, an interface with D = 1
@@ -52,7 +59,7 @@ class StiffnessMatrix:
         row = pairs[self._interface, self._side]
         self._offsets = np.searchsorted(row, np.arange(own + 1))
         self._own_blocks, self._coupling = _intact_blocks(operator, part.spring_constants())
-        self._grounding = self._mean_diagonal(comm) * GROUNDING / part.total
+        self._to_ground = self._ground(comm, row)
         blocks = np.concatenate([self._off_diagonal(slice(None)), self._diagonal(np.arange(own))])
         rows = np.concatenate([row, np.arange(own)])
         columns = np.concatenate([numbers[pairs[self._interface, 1 - self._side]], numbers[:own]])
@@ -115,13 +122,33 @@ class StiffnessMatrix:
         blocks = self._own_blocks[interface, self._side[half]]
         blocks *= self._intact[interface, None, None]
         diagonal = np.add.reduceat(blocks, starts) if len(elements) else np.zeros((0, 3, 3))
-        diagonal[:, range(3), range(3)] += self._grounding
+        diagonal[:, range(3), range(3)] += self._to_ground[elements]
         return np.asarray(diagonal)
 
-    def _mean_diagonal(self, comm: MPI.Comm) -> float:
-        trace = np.trace(self._own_blocks, axis1=2, axis2=3)
-        total = comm.allreduce(float(trace[self._interface, self._side].sum()))
-        return float(total / (3 * self._part.total))
+    def _ground(self, comm: MPI.Comm, row: IntArray) -> FloatArray:
+        """Return each own unknown's stiffness to ground; (own, 3). Collective.
+
+        Args:
+            row: Own element of each half-edge.
+        """
+        part = self._part
+        share = np.full((part.own, 3), GROUNDING)
+        # The ends of the curve along which elements are numbered lie in two corners.
+        first = part.own > 0 and part.first == 0
+        last = part.own > 0 and part.first + part.own == part.total
+        ends = np.zeros((2, 2))
+        if first:
+            ends[0] = part.centre[0]
+        if last:
+            ends[1] = part.centre[part.own - 1]
+        apart = np.abs(np.subtract(*comm.allreduce(ends)))
+        if first:
+            share[0, :2] += SUPPORT
+        if last:
+            share[-1, 0 if apart[1] > apart[0] else 1] += SUPPORT
+        trace = np.trace(self._own_blocks, axis1=2, axis2=3)[self._interface, self._side]
+        diagonal = np.bincount(row, trace, part.own) / 3.0
+        return np.asarray(share * diagonal[:, None])
 
     def _rigid_modes(self, comm: MPI.Comm) -> PETSc.NullSpace:
         part = self._part

@@ -136,7 +136,7 @@ def test_a_checkpoint_of_another_form_is_refused(
     with monkeypatch.context() as older:
         older.setattr("pearlite_petsc.ensemble.store.FORM", 1)
         store.write_checkpoint(task, "mesh", checkpoint(3), 0)
-    with pytest.raises(SceneError, match=r"has form 1, this version of the program reads form 3"):
+    with pytest.raises(SceneError, match=r"has form 1, this version of the program reads form 4"):
         store.read_checkpoint(task, "mesh")
 
 

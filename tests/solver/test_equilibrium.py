@@ -198,14 +198,43 @@ def test_many_updates_leave_the_matrix_of_a_new_assembly() -> None:
             assert np.array_equal(kept.mat.getValuesCSR()[2], fresh.mat.getValuesCSR()[2])
 
 
-def test_a_broken_interface_adds_exactly_nothing() -> None:
+def test_broken_interfaces_add_nothing_and_leave_the_ground_and_three_supports() -> None:
     part = make_part(RANDOM, spring_stiffness(RANDOM, STEEL), 0, RANDOM.element_count)
-    broken = np.ones(RANDOM.interface_count)
-    with matrix.StiffnessMatrix(MPI.COMM_SELF, part, part.jump_operator(), broken) as stiffness:
-        offsets, columns, values = stiffness.mat.getValuesCSR()
-    rows = np.repeat(np.arange(3 * part.own), np.diff(offsets))
-    assert not values[rows != columns].any()
-    assert np.unique(values[rows == columns]).size == 1 and values.max() > 0.0
+    broken, held = np.ones(RANDOM.interface_count), []
+    for damage in (broken, 0.0 * broken):
+        with matrix.StiffnessMatrix(MPI.COMM_SELF, part, part.jump_operator(), damage) as stiffness:
+            offsets, columns, values = stiffness.mat.getValuesCSR()
+            rows = np.repeat(np.arange(3 * part.own), np.diff(offsets))
+            if damage.any():
+                assert not values[rows != columns].any()
+            held.append(values[rows == columns].reshape(-1, 3))
+    share = held[0] / held[1].mean(axis=1, keepdims=True)
+    supports = np.argwhere(share > 0.5 * matrix.SUPPORT)
+    assert supports.tolist() == [[0, 0], [0, 1], [part.own - 1, 1]]
+    assert share[tuple(supports.T)] == pytest.approx(matrix.SUPPORT, rel=0.01)
+    share[tuple(supports.T)] = matrix.GROUNDING
+    assert share == pytest.approx(matrix.GROUNDING, rel=0.01)
+
+
+def test_many_iterations_let_the_hierarchies_that_follow_coarsen_less_also_when_recalled() -> None:
+    material = Material(206e3, 0.333, "raje")
+    broken = none_broken(RANDOM)
+    with equilibrium_of(RANDOM, broken, material, tolerance=1e-9) as equilibrium:
+        load = forces(RANDOM, equilibrium)
+        iterations = []
+        for times in (1.0, -1.0):
+            before = equilibrium.counters["iterations"]
+            equilibrium.solve(times * load)
+            iterations.append(equilibrium.counters["iterations"] - before)
+        assert equilibrium.counters["finer"] == 1
+        assert equilibrium.counters["setups"] == 2
+        assert iterations[1] < 0.7 * iterations[0]
+        memory = equilibrium.memory()
+        wanted = equilibrium.solve(1.1 * load)
+        assert equilibrium.counters["setups"] == 2
+    with equilibrium_of(RANDOM, broken, material, tolerance=1e-9) as again:
+        again.recall(memory)
+        assert np.array_equal(again.solve(1.1 * load), wanted)
 
 
 def test_old_factors_that_no_longer_converge_are_refreshed_and_counted() -> None:
