@@ -45,4 +45,4 @@ def test_supports_keep_bad_aggregates_from_moving_the_whole_body(
     monkeypatch.setattr(equilibrium, "MANY_A_DIGIT", 1e3)
     iterations, counters = iterations_along_a_crack(monkeypatch)
     assert "finer" not in counters
-    assert 40 < max(iterations) < 80
+    assert max(iterations) < 80
