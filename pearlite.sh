@@ -21,7 +21,8 @@ usage() {
 Usage: ./pearlite.sh COMMAND [ARGS]
 
   run [ARGS]     mpirun -n RANKS python -m pearlite_petsc.run ARGS
-  test [ARGS]    ruff, mypy --strict, a two-rank run, pytest ARGS (--slow for the long ones)
+  test [ARGS]    ruff, mypy --strict, a two-rank run, pytest on all cores with ARGS
+                 (--slow for the long ones, -n 0 for --pdb)
   exec CMD...    run CMD in the environment
   setup [test]   set up only; "test" adds the tools of the checks
   help           this text

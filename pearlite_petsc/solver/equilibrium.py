@@ -19,6 +19,8 @@ from pearlite_petsc.solver.krylov import (
     direct_settings,
     factor_settings,
     make_solver,
+    many_iterations,
+    may_coarsen_less,
     method_of,
     multigrid_settings,
     repeatable_factor_settings,
@@ -35,26 +37,22 @@ Correct = Callable[[FloatArray], Correction | None]
 RESIDUAL_LIMIT = 1e-6
 """Largest relative residual that a direct solver may leave."""
 
-MANY_A_DIGIT = 3.0
-"""Iterations a digit of the tolerance beyond which multigrid coarsens less, from the next solve on.
-
-Intact bodies take 2.5 at every size.
-"""
-
 
 class Equilibrium:
     """Solves K x = f while the damage grows. Collective; use as a context manager.
 
     The preconditioner is kept until the iterations that it costs beyond its first solve add up to
     the price of a new one, which at worst doubles the best possible cost. The decision counts
-    iterations and not seconds, so that a run repeats itself bit for bit. At loose
-    tolerances solves after the first one of a hierarchy take the upward half of its cycle; where
+    iterations and not seconds, so that a run repeats itself bit for bit. On one rank, at loose
+    tolerances, solves after the first one of a hierarchy take the upward half of its cycle; where
     that does not converge, the whole cycle goes on and stays until the next set-up. Where a solve
-    takes many iterations, the next one gets a new hierarchy that coarsens less, as all after it.
+    takes many iterations, the next one gets a hierarchy that coarsens less, and so on until the
+    mesh changes or another crack begins.
 
     Attributes:
         matrix: K of the current damage.
-        counters: iterations, solves, setups; finer (set-ups that coarsen less); upward (solves by half the cycle) and symmetric_again
+        counters: iterations, solves, setups; finer (set-ups that coarsen less); upward (solves by
+            half the cycle) and symmetric_again
             (where that did not converge); multigrid (instead of factors that failed), refreshed and
             direct (fallbacks); unit_loads (back-substitutions for the compliance of interfaces).
         set_up_damage: Damage that the preconditioner was made for; (k,).
@@ -92,7 +90,7 @@ class Equilibrium:
         self._first_damage = damage
         self._setup_cost = setup_cost(3 * part.total)
         self._first_iterations = 0
-        self._finer = False
+        self._finer = self._finer_next = False
         self._set_up()
         if keep_first:
             self._first_ksp = self._ksp
@@ -161,32 +159,34 @@ class Equilibrium:
         self._x.set(0.0)
         self.counters.clear()
         self.counters["setups"] = 1
-        self._finer = False
+        self._finer = self._finer_next = False
         self._take_up(self._first_ksp)
 
     def memory(self) -> dict[str, FloatArray]:
         """Return what the next solve depends on beside the damage, for a checkpoint.
 
         The damage of the last set-up (k,), the last solution of own elements (own, 3), and
-        (first iterations, excess, fresh, whether half the cycle pays, whether it coarsens less).
+        (first iterations, excess, fresh, whether half the cycle pays, whether multigrid coarsens
+        less, whether it will from the next set-up on).
         """
-        pays, finer = self._upward_pays, self._finer
-        reuse = (self._first_iterations, self._excess, self._fresh, pays, finer)
+        flags = self._fresh, self._upward_pays, self._finer, self._finer_next
+        reuse = (self._first_iterations, self._excess, *flags)
         state = np.array(reuse, dtype=float)
         solution = self._x.getArray(readonly=True).reshape(-1, 3).copy()
         return {"set_up_damage": self.set_up_damage, "solution": solution, "reuse": state}
 
     def recall(self, memory: dict[str, FloatArray]) -> None:
         """Go on from a checkpoint: the preconditioner of then, and the solution to start from."""
-        first, excess, fresh, pays, finer = memory["reuse"].tolist()
+        first, excess, *flags = memory["reuse"].tolist()
+        fresh, pays, finer, finer_next = map(bool, flags)
         damage = self._damage
         self.update(memory["set_up_damage"])
-        self._finer = bool(finer)
+        self._finer, self._finer_next = finer, finer_next
         self._set_up()
         self.update(damage)
         self._x.setArray(memory["solution"].ravel())
-        self._first_iterations, self._excess, self._fresh = int(first), excess, bool(fresh)
-        self._upward_pays = bool(pays)
+        self._first_iterations, self._excess = int(first), excess
+        self._fresh, self._upward_pays = fresh, pays
 
     def factors(self) -> PETSc.PC:
         """Return factors of the matrix as it is, the caller's to destroy. Collective.
@@ -279,7 +279,7 @@ class Equilibrium:
 
     def _solve_iterative(self) -> None:
         if self._excess > self._setup_cost:
-            self._finer |= self._excess == np.inf
+            self._finer = self._finer_next
             self._set_up()
         start = self._x.getArray().copy()
         before = 0
@@ -305,21 +305,25 @@ class Equilibrium:
             finally:
                 ksp.destroy()
             return
-        self._judge(before + iterations)
+        self._judge(before, iterations)
 
-    def _judge(self, iterations: int) -> None:
-        """Decide by the iterations of a solve when and how the next preconditioner is made."""
+    def _judge(self, before: int, iterations: int) -> None:
+        """Decide when and how the next preconditioner is made, by the iterations of a solve.
+
+        Args:
+            before: Of half the cycle in vain.
+            iterations: After them.
+        """
         # Factors solve at once what they were made for, which is no measure of what follows.
         if self._fresh and (self._own_factors() is None or not self._is_current()):
             self._first_iterations, self._fresh = iterations, False
         if not self._fresh:
-            self._excess += max(0, iterations - self._first_iterations)
-        most = -MANY_A_DIGIT * np.log10(self.settings.relative_tolerance)
-        if iterations > most and not self._finer and self._is_multigrid():
-            self._excess = np.inf
-
-    def _is_multigrid(self) -> bool:
-        return self._ksp is not None and self._ksp.getPC().getType() == PETSc.PC.Type.GAMG
+            self._excess += max(0, before + iterations - self._first_iterations)
+        ksp = self._ksp
+        assert ksp is not None
+        many = iterations > many_iterations(ksp.getTolerances()[0])
+        if many and not self._finer_next and may_coarsen_less(ksp):
+            self._finer_next, self._excess = True, np.inf
 
     def _run_upward(self) -> tuple[int, bool]:
         if self._upward is None:

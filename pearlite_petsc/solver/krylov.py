@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from math import log10
+from sys import float_info
 
 from pearlite_petsc.errors import SolverError
 from pearlite_petsc.scene import Solver
@@ -29,6 +31,9 @@ MULTIGRID = {
     # For the smoothing of the prolongation.
     "pc_gamg_esteig_ksp_max_it": "5",
 }
+
+AGGREGATES = {"pc_gamg_square_graph", "pc_gamg_aggressive_coarsening"}
+"""Names, until PETSc 3.18 and since, of the number of levels with large aggregates."""
 
 CHOLMOD = {
     "pc_type": "cholesky",
@@ -127,6 +132,17 @@ def direct_settings(ranks: int) -> dict[str, str]:
 
 def _has(package: str) -> bool:
     return bool(PETSc.Sys.hasExternalPackage(package))
+
+
+def many_iterations(relative_tolerance: float) -> float:
+    """Return beyond how many iterations smaller aggregates pay; good ones take 2.5 a digit."""
+    return 4.0 - 2.5 * log10(max(relative_tolerance, float_info.epsilon))
+
+
+def may_coarsen_less(ksp: PETSc.KSP) -> bool:
+    """Return whether the solver is multigrid and its user leaves the size of aggregates to us."""
+    given = {name.removeprefix(PREFIX) for name in PETSc.Options().getAll()}
+    return ksp.getPC().getType() == PETSc.PC.Type.GAMG and not given & AGGREGATES
 
 
 def setup_cost(unknowns: int) -> float:

@@ -20,7 +20,7 @@ hold a body of 1e6 elements by 3e-8 of one diagonal, which lowers da/dN by 1e-6.
 SUPPORT = 1e-2
 """Stiffness of each of three supports, statically determinate, as a share of that diagonal.
 
-They carry nothing of a load in balance. Held by the grounding alone, the rigid motions cost so
+Of a load in balance they carry nothing but the resultant of the grounding. Held by the grounding alone, the rigid motions cost so
 little that a hierarchy must have them exactly; where GAMG drops a coarse unknown that has no strong
 neighbours, CG goes up again by a factor of 1e2 and takes 20 to 40 more iterations.
 """
@@ -133,22 +133,28 @@ class StiffnessMatrix:
         """
         part = self._part
         share = np.full((part.own, 3), GROUNDING)
-        # The ends of the curve along which elements are numbered lie in two corners.
-        first = part.own > 0 and part.first == 0
-        last = part.own > 0 and part.first + part.own == part.total
-        ends = np.zeros((2, 2))
-        if first:
-            ends[0] = part.centre[0]
-        if last:
-            ends[1] = part.centre[part.own - 1]
-        apart = np.abs(np.subtract(*comm.allreduce(ends)))
-        if first:
-            share[0, :2] += SUPPORT
-        if last:
-            share[-1, 0 if apart[1] > apart[0] else 1] += SUPPORT
+        x, y = part.centre[: part.own].T
+        # Lower left and lower right: a crack from the side comes there last.
+        (_, left, *here), (_, right, *there) = (
+            self._lowest(comm, score) for score in (x + y, y - x)
+        )
+        across = 0 if abs(here[1] - there[1]) > abs(here[0] - there[0]) else 1
+        for element, component in ((left, 0), (left, 1), (right, across)):
+            if part.first <= element < part.first + part.own:
+                share[element - part.first, component] += SUPPORT
         trace = np.trace(self._own_blocks, axis1=2, axis2=3)[self._interface, self._side]
         diagonal = np.bincount(row, trace, part.own) / 3.0
         return np.asarray(share * diagonal[:, None])
+
+    def _lowest(self, comm: MPI.Comm, score: FloatArray) -> tuple[float, int, float, float]:
+        """Return least score of all elements, its element's number and centre. Collective."""
+        found = (np.inf, self._part.total, 0.0, 0.0)
+        if len(score):
+            here = int(np.argmin(score))
+            x, y = self._part.centre[here].tolist()
+            found = (float(score[here]), self._part.first + here, x, y)
+        lowest: tuple[float, int, float, float] = min(comm.allgather(found))
+        return lowest
 
     def _rigid_modes(self, comm: MPI.Comm) -> PETSc.NullSpace:
         part = self._part

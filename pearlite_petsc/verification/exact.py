@@ -197,8 +197,8 @@ def balance_error(mesh: Mesh, broken: BoolArray, method: str) -> float:
     """Return the unbalanced force or moment of the worst element after a solve.
 
     Forces and moments are added up element by element from the tractions, without the matrix. What
-    remains with the program's solvers is their grounding; the reference
-    solver holds one element instead.
+    remains with the program's solvers is their grounding, whose resultant the supports take up; the
+    reference solver holds one element instead.
     """
     stiffness = _springs(mesh, "homogeneous")
     airy = williams_mode_one(2e4, mesh.notch)
