@@ -280,7 +280,7 @@ def measure(comm: "MPI.Comm", body: Body, method: str, cracked: bool) -> dict[st
             setup, _ = timed(solver.set_up)
             first, iterations = timed(lambda: solver.solve(load, FIRST_TOLERANCE, warm=False))
             tries.append((setup, first))
-        setup, first = min(tries, key=sum)
+        setup, first = map(min, zip(*tries, strict=True))
         residual = solver.residual(load)
         solver.solve(load, WARM_TOLERANCE, warm=False)
         warm, warm_iterations = 0.0, []

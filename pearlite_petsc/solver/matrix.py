@@ -20,9 +20,10 @@ hold a body of 1e6 elements by 3e-8 of one diagonal, which lowers da/dN by 1e-6.
 SUPPORT = 1e-2
 """Stiffness of each of three supports, statically determinate, as a share of that diagonal.
 
-Of a load in balance they carry nothing but the resultant of the grounding. Held by the grounding alone, the rigid motions cost so
-little that a hierarchy must have them exactly; where GAMG drops a coarse unknown that has no strong
-neighbours, CG goes up again by a factor of 1e2 and takes 20 to 40 more iterations.
+Of a load in balance they carry nothing but the resultant of the grounding. Held by the grounding
+alone, the rigid motions cost so little that a hierarchy must have them exactly; where GAMG drops
+a coarse unknown that has no strong neighbours, CG goes up again by a factor of 1e2 and takes 20
+to 40 more iterations.
 """
 
 PLAIN_ROWS = {"mat_no_inode": "true"}

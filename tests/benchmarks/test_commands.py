@@ -127,10 +127,11 @@ def test_bars_of_the_solver_are_missed_by_what_is_slower_than_others() -> None:
     assert found["memory of a rank over that of one alone"] == pytest.approx(0.6)
 
 
-def test_the_shortest_of_the_rounds_counts_with_its_parts() -> None:
+def test_the_shortest_of_each_part_of_the_rounds_counts() -> None:
     slow = {"setup_s": 1.0, "first_solve_s": 3.0, "solution_s": 4.0, "warm_solve_s": 0.1}
     fast = {"setup_s": 2.0, "first_solve_s": 1.0, "solution_s": 3.0, "warm_solve_s": 0.2}
-    assert shortest([slow, fast]) == fast | {"warm_solve_s": 0.1}
+    best = {"setup_s": 1.0, "first_solve_s": 1.0, "solution_s": 2.0, "warm_solve_s": 0.1}
+    assert shortest([slow, fast]) == best
 
 
 def test_sample_of_the_campaign_spreads_over_states_and_loads() -> None:
