@@ -52,9 +52,9 @@ class Equilibrium:
     Attributes:
         matrix: K of the current damage.
         counters: iterations, solves, setups; finer (set-ups that coarsen less); upward (solves by
-            half the cycle) and symmetric_again
-            (where that did not converge); multigrid (instead of factors that failed), refreshed and
-            direct (fallbacks); unit_loads (back-substitutions for the compliance of interfaces).
+            half the cycle) and symmetric_again (where that did not converge); multigrid (instead of
+            factors that failed), refreshed and direct (fallbacks); unit_loads (back-substitutions
+            for the compliance of interfaces).
         set_up_damage: Damage that the preconditioner was made for; (k,).
 
     Args:

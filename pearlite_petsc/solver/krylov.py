@@ -32,7 +32,7 @@ MULTIGRID = {
     "pc_gamg_esteig_ksp_max_it": "5",
 }
 
-AGGREGATES = {"pc_gamg_square_graph", "pc_gamg_aggressive_coarsening"}
+AGGREGATES = ("pc_gamg_square_graph", "pc_gamg_aggressive_coarsening")
 """Names, until PETSc 3.18 and since, of the number of levels with large aggregates."""
 
 CHOLMOD = {
@@ -74,8 +74,7 @@ def multigrid_settings(finer: bool = False) -> dict[str, str]:
         finer: Whether all levels have small aggregates. Two levels of large ones halve the set-up,
             but some cracks take them three times the iterations.
     """
-    old = PETSc.Sys.getVersion() < (3, 19)
-    name = "pc_gamg_square_graph" if old else "pc_gamg_aggressive_coarsening"
+    name = AGGREGATES[PETSc.Sys.getVersion() >= (3, 19)]
     return {**CG, **MULTIGRID, name: "0" if finer else "2"}
 
 
@@ -142,7 +141,7 @@ def many_iterations(relative_tolerance: float) -> float:
 def may_coarsen_less(ksp: PETSc.KSP) -> bool:
     """Return whether the solver is multigrid and its user leaves the size of aggregates to us."""
     given = {name.removeprefix(PREFIX) for name in PETSc.Options().getAll()}
-    return ksp.getPC().getType() == PETSc.PC.Type.GAMG and not given & AGGREGATES
+    return ksp.getPC().getType() == PETSc.PC.Type.GAMG and given.isdisjoint(AGGREGATES)
 
 
 def setup_cost(unknowns: int) -> float:
