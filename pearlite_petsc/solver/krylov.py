@@ -47,7 +47,7 @@ MOST_CHOLMOD = 2e5
 
 MOST_AUTO_FACTORS = 3e4
 """Unknowns up to which ``auto`` takes old factors on one rank: their solves cost a third of GAMG's
-at 1e4 and as much at 1e5, their set-up more than twice as much there (``bench solver``).
+at 1e4 and as much at 1e5, their set-up nearly twice as much there (``bench solver``).
 """
 
 SETUP_COST: tuple[tuple[float, float], ...] = ((3e3, 25.0), (1e4, 19.0), (1e5, 14.0), (1e6, 12.0))

@@ -22,7 +22,7 @@ def draw_times(
         path: Without suffix.
         panels: Title -> series -> (size, time) by rising size, both > 0.
         x_label, y_label: With units.
-        dashed: Series that are the first one under other circumstances.
+        dashed: Series that are the first one under other circumstances; their marks are hollow.
     """
     names = list(dict.fromkeys(name for series in panels.values() for name in series))
     others = [name for name in names[1:] if name not in dashed]
@@ -36,6 +36,7 @@ def draw_times(
                 (lines[name],) = axes.plot(
                     *zip(*points, strict=True),
                     marker="o" if own else _MARKS[place % len(_MARKS)],
+                    markerfacecolor="white" if name in dashed else None,
                     color=INK if own else _COLOURS[place % len(_COLOURS)],
                     linestyle="--" if name in dashed else "-",
                     linewidth=2.0 if own else 1.2,
