@@ -79,7 +79,9 @@ def verify(effort: str, folder: Path, only: Sequence[str]) -> int:
     write_report(folder / "report.md", sections, effort.lower())
     claims = [claim for section in sections.values() for claim in section.claims]
     failed = sum(not claim.holds for claim in claims)
-    sys.stdout.write(f"{len(claims)} claims, {failed} do not hold: {folder / 'report.md'}\n")
+    left_out = [text for section in sections.values() for text in section.left_out]
+    end = "".join(f"left out: {text}\n" for text in left_out)
+    sys.stdout.write(f"{len(claims)} claims, {failed} do not hold: {folder / 'report.md'}\n{end}")
     return 1 if failed else 0
 
 

@@ -61,12 +61,14 @@ class Section:
         text: Paragraphs and tables (Markdown) under the claims.
         claims: Lines of the table.
         figures: File name (without suffix) -> caption.
+        left_out: What could not be compared here, and why.
     """
 
     title: str
     text: list[str] = field(default_factory=list)
     claims: list[Claim] = field(default_factory=list)
     figures: dict[str, str] = field(default_factory=dict)
+    left_out: list[str] = field(default_factory=list)
 
     def close(
         self, statement: str, source: str, expected: float, measured: float, tolerance: float

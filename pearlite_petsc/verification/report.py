@@ -26,6 +26,7 @@ def write_report(path: Path, sections: Mapping[str, Section], effort: str) -> No
     lines = ["# Verification", "", _INTRODUCTION, ""]
     lines += [f"Form: {effort}. Claims: {len(claims)}, of which {len(failed)} do not hold.", ""]
     lines += [f"- does not hold: {claim.statement}" for claim in failed]
+    lines += [f"- left out: {text}" for section in sections.values() for text in section.left_out]
     for name, section in sections.items():
         lines += ["", f"## {section.title}", "", f"`--only {name}`", ""]
         if section.claims:
@@ -48,6 +49,7 @@ def terminal_table(section: Section) -> str:
             f"        expected {claim.expected}, measured {claim.measured}, "
             f"tolerance {claim.tolerance}  [{claim.source}]"
         )
+    lines += [f"  left out: {text}" for text in section.left_out]
     return "\n".join(lines)
 
 

@@ -10,7 +10,7 @@ pytest.importorskip("petsc4py")
 
 from pearlite_petsc.mechanics.springs import Stiffness
 from pearlite_petsc.tessellation.mesh import Mesh
-from pearlite_petsc.verification import exact, series_spring, suite
+from pearlite_petsc.verification import exact, fracture, series_spring, suite
 from pearlite_petsc.verification.bodies import plain_mesh, random_points
 from pearlite_petsc.verification.claim import Section, Setting, fitted_order, number
 from pearlite_petsc.verify import main
@@ -53,6 +53,19 @@ def test_one_section_alone_can_be_asked_for(
     monkeypatch.setattr(suite, "SECTIONS", one_claim(True))
     assert main(["--only", "two", "--output", str(tmp_path)]) == 0
     assert "1 claims" in capsys.readouterr().out
+
+
+def test_what_could_not_be_compared_is_said_at_the_end_and_in_the_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def missing(*_: object) -> tuple[int, float]:
+        raise ImportError
+
+    monkeypatch.setattr(fracture, "finite_element_ratio", missing)
+    assert main(["--quick", "--only", "fracture", "--output", str(tmp_path)]) == 0
+    said = "left out: K of 5 bodies against linear finite elements: scikit-fem is not installed"
+    assert capsys.readouterr().out.splitlines()[-1].startswith(said)
+    assert f"- {said}" in (tmp_path / "report.md").read_text()
 
 
 def test_an_unknown_section_is_refused_with_the_known_ones(
