@@ -80,15 +80,20 @@ class Level:
 
     def _nearest_sibling(self, points: FloatArray, parent: IntArray) -> IntArray:
         first, last = self.start[parent], self.start[parent + 1] - 1
+        x, y = np.ascontiguousarray(points.T)
         best: IntArray = self.order[first]
-        least = ((points - self.seeds[best]) ** 2).sum(axis=1)
+        least = self._squared_distance(x, y, best)
         for rank in range(1, int((last - first).max(initial=0)) + 1):
             other = self.order[np.minimum(first + rank, last)]
-            distance = ((points - self.seeds[other]) ** 2).sum(axis=1)
+            distance = self._squared_distance(x, y, other)
             closer = distance < least
             best = np.where(closer, other, best)
             least = np.where(closer, distance, least)
         return best
+
+    def _squared_distance(self, x: FloatArray, y: FloatArray, seed: IntArray) -> FloatArray:
+        # By components: sums over an axis of two take three times as long.
+        return np.asarray((x - self.seeds[seed, 0]) ** 2 + (y - self.seeds[seed, 1]) ** 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
