@@ -1,7 +1,8 @@
 """Command: what each choice of method costs in time and accuracy, and where methods fail.
 
-``python -m pearlite_petsc.bench NAME [options]``; each name is a module of ``benchmarks`` with
-``add_arguments(parser)`` and ``main(args)``, which returns the exit status.
+``python -m pearlite_petsc.bench NAME [options]``; each name is a module of
+``studies.benchmarks`` with ``add_arguments(parser)`` and ``main(args)``, which returns the exit
+status.
 """
 
 import argparse
@@ -9,13 +10,11 @@ import importlib
 import math
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.output.whole_file import make_folder
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
+from pearlite_petsc.studies.benchmarks.solver import SOLVER_CASE
 
 SUBCOMMANDS = {
     "pareto": "speed against accuracy of cracks, one choice at a time",
@@ -35,6 +34,8 @@ LEAST = {"meshes": 1, "ranks": 1, "tasks": 1, "unknowns": 1000}
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a benchmark; return its exit status: 0, 1 a bar was missed, 2 bad input."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    if given[:1] == [SOLVER_CASE]:
+        return _solver_case(*given[1:])
     parser = argparse.ArgumentParser(
         prog="python -m pearlite_petsc.bench",
         description="Measure speed, accuracy and limits of the methods.",
@@ -44,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("name", choices=SUBCOMMANDS, help="which benchmark")
     chosen = parser.parse_args(given[:1])
     # Only the chosen one, whose libraries the others need not have.
-    module = importlib.import_module(f"pearlite_petsc.benchmarks.{chosen.name}")
+    module = importlib.import_module(f"pearlite_petsc.studies.benchmarks.{chosen.name}")
     own = argparse.ArgumentParser(
         prog=f"python -m pearlite_petsc.bench {chosen.name}", description=module.__doc__
     )
@@ -68,11 +69,14 @@ def _check_numbers(options: argparse.Namespace) -> None:
                 raise SceneError(f"--{name} {value:g} must be a number of at least {least:g}")
 
 
-def world() -> "MPI.Comm":
-    """Return all ranks, for a benchmark that measures in processes of its own; starts MPI."""
+def _solver_case(bodies: str, method: str, result: str) -> int:
+    """Measure one method of ``bench solver`` on the ranks that were started. Collective."""
     from mpi4py import MPI
 
-    return MPI.COMM_WORLD
+    from pearlite_petsc.studies.benchmarks.solver_case import write_case
+
+    write_case(MPI.COMM_WORLD, Path(bodies), method, Path(result))
+    return 0
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Command: compute every claim the program rests on and write verification/report.md."""
+"""Command: compute every claim the program rests on and write docs/verification/report.md."""
 
 import argparse
 import logging
@@ -31,9 +31,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--output",
         type=Path,
-        default=Path("verification"),
+        default=Path("docs/verification"),
         metavar="DIR",
-        help="folder of report.md and its figures (default: verification)",
+        help="folder of report.md and its figures (default: docs/verification)",
     )
     parser.add_argument(
         "--only", action="append", metavar="NAME", help="one section; may be given again"
@@ -53,9 +53,9 @@ def verify(effort: str, folder: Path, only: Sequence[str]) -> int:
         only: Names of sections; all of them if empty.
     """
     # Here, so that --help starts neither MPI nor PETSc.
-    from pearlite_petsc.verification.claim import Effort, Section, Setting
-    from pearlite_petsc.verification.report import terminal_table, write_report
-    from pearlite_petsc.verification.suite import SECTIONS
+    from pearlite_petsc.studies.verification.claim import Effort, Section, Setting
+    from pearlite_petsc.studies.verification.report import terminal_table, write_report
+    from pearlite_petsc.studies.verification.suite import SECTIONS
 
     unknown = [name for name in only if name not in SECTIONS]
     if unknown:

@@ -16,7 +16,7 @@ from pearlite_petsc.scene import (
     Solver,
     Window,
 )
-from pearlite_petsc.verification.cases import STATES
+from pearlite_petsc.studies.cases import STATES
 
 
 def default_scene(**changes: Any) -> Scene:

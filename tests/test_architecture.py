@@ -1,8 +1,7 @@
 """The layers of the package, read from its imports: nothing points back, each library in its place.
 
 Layers from bottom to top: types; scene files and microstructure; elements; mechanics; fatigue;
-solver; the growth of one crack; output; the ensemble and verification; commands (and whatever is
-not named here).
+solver; the growth of one crack; output; the ensemble; studies (verification, benchmarks); commands.
 """
 
 import ast
@@ -24,10 +23,12 @@ ORDER = (
     {"solver"},
     {"growth"},
     {"output"},
-    {"ensemble", "verification"},
+    {"ensemble"},
+    {"studies"},
 )
 LAYER = {name: layer for layer, names in enumerate(ORDER) for name in names}
 COMMANDS = {"run", "mesh", "verify", "bench", "calibrate", "report"}
+STUDY_COMMANDS = {"verify", "bench"}
 PARALLEL = {"mpi4py", "petsc4py"}
 FORBIDDEN = {
     "config": PARALLEL | {"h5py", "meshio", "matplotlib"},
@@ -138,6 +139,14 @@ def test_parts_of_one_layer_do_not_know_each_other(file: Path) -> None:
 
 
 @every_file
+def test_the_product_imports_no_study(file: Path) -> None:
+    if part(module_name(file)) not in {"studies", *STUDY_COMMANDS}:
+        assert not any(
+            part(name) == "studies" for name in imports(file) if library(name) == PACKAGE
+        )
+
+
+@every_file
 def test_only_the_solver_imports_petsc(file: Path) -> None:
     if part(module_name(file)) != "solver":
         assert "petsc4py" not in {library(name) for name in imports(file)}
@@ -187,6 +196,6 @@ def test_starting_a_command_loads_neither_mpi_nor_petsc(command: str) -> None:
             todo |= (ways & set(modules)) - seen
 
 
-def test_the_files_were_found() -> None:
-    assert len(FILES) > 10
-    assert {part(module_name(file)) for file in FILES} >= {"arrays", "config", "solver", "output"}
+def test_every_module_and_folder_has_its_layer() -> None:
+    parts = {part(module_name(file)) for file in FILES} - {""}
+    assert parts == LAYER.keys() | COMMANDS

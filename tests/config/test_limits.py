@@ -21,7 +21,7 @@ STEELS = ("undeformed", "moderate_AT", "moderate_TA", "severe_TA")
 
 
 def points() -> list[tuple[str, str, str]]:
-    table = Path(__file__).parents[2] / "benchmarks" / "stability.csv"
+    table = Path(__file__).parents[2] / "docs" / "benchmarks" / "stability.csv"
     with table.open(newline="", encoding="utf-8") as file:
         rows = [(row["study"], row["value"], row["outcome"]) for row in csv.DictReader(file)]
     return [row for row in rows if row[0] in SETTINGS]
@@ -41,7 +41,7 @@ def test_what_was_measured_to_be_wrong_is_noticed(study: str, value: str, outcom
 
 
 def windows() -> list[tuple[float, str]]:
-    table = Path(__file__).parents[2] / "benchmarks" / "stability.csv"
+    table = Path(__file__).parents[2] / "docs" / "benchmarks" / "stability.csv"
     with table.open(newline="", encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["study"] == "window over extension"]
     return [(float(row["value"]), row["outcome"]) for row in rows if "stops" not in row["outcome"]]
@@ -56,7 +56,7 @@ def test_a_window_that_was_measured_to_be_too_small_is_noticed(value: float, out
 
 
 def jumps() -> list[tuple[str, str, str]]:
-    table = Path(__file__).parents[2] / "benchmarks" / "jumps.csv"
+    table = Path(__file__).parents[2] / "docs" / "benchmarks" / "jumps.csv"
     with table.open(newline="", encoding="utf-8") as file:
         return [(row["method"], row["step"], row["error"]) for row in csv.DictReader(file)]
 

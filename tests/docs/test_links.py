@@ -4,12 +4,16 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.pages import PAGES, anchors, links
+from tests.docs.pages import PAGES, ROOT, anchors, links
 
-MORE = (PAGES[0].parent / "CHANGELOG.md",)
+MORE = (
+    ROOT / "CHANGELOG.md",
+    ROOT / "docs" / "benchmarks" / "README.md",
+    ROOT / "docs" / "verification" / "report.md",
+)
 
 
-@pytest.mark.parametrize("page", (*PAGES, *MORE), ids=lambda page: page.name)
+@pytest.mark.parametrize("page", (*PAGES, *MORE), ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_lead_to_files_and_headings_that_exist(page: Path) -> None:
     for link in links(page):
         if "://" in link:

@@ -9,9 +9,9 @@ import sys
 import pytest
 
 from pearlite_petsc.bench import SUBCOMMANDS
-from pearlite_petsc.benchmarks.studies import STUDIES
 from pearlite_petsc.fatigue.outcome import StopReason
 from pearlite_petsc.output.tables import FCG_COLUMNS, GROWTH_COLUMNS
+from pearlite_petsc.studies.benchmarks.stability_studies import STUDIES
 from tests.docs.pages import ROOT
 from tests.docs.test_commands import environment
 
@@ -65,7 +65,7 @@ def test_every_benchmark_is_described_with_its_options(name: str) -> None:
     assert len(rows) == 1
     _, _, _, quick, options, _, _ = rows[0].split("|")
     parser = argparse.ArgumentParser(add_help=False)
-    importlib.import_module(f"pearlite_petsc.benchmarks.{name}").add_arguments(parser)
+    importlib.import_module(f"pearlite_petsc.studies.benchmarks.{name}").add_arguments(parser)
     known = {option for action in parser._actions for option in action.option_strings}
     assert known - {"--quick", "--output"} == set(re.findall(r"`(--[a-z]+)", options))
     assert ("--quick" in known) != quick.strip().startswith("none")

@@ -7,9 +7,9 @@ import pytest
 from pearlite_petsc.fatigue.crack import LIGAMENT_DETOUR, CrackTracker
 from pearlite_petsc.mechanics.springs import spring_stiffness
 from pearlite_petsc.solver.part import make_part
+from pearlite_petsc.studies.bodies import plain_mesh, random_points
 from pearlite_petsc.tessellation.build import build_mesh
 from pearlite_petsc.tessellation.mesh import Mesh
-from pearlite_petsc.verification.bodies import plain_mesh, random_points
 from tests.scenes import STATES, default_scene
 
 MESH = plain_mesh(random_points(220, 20.0, 20.0, seed=21), 20.0, 20.0)

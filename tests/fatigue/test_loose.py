@@ -4,8 +4,8 @@ import pytest
 from pearlite_petsc.arrays import BoolArray
 from pearlite_petsc.errors import SolverError
 from pearlite_petsc.fatigue.loose import LooseClusters
+from pearlite_petsc.studies.bodies import plain_mesh, random_points
 from pearlite_petsc.tessellation.mesh import Mesh
-from pearlite_petsc.verification.bodies import plain_mesh, random_points
 
 MESH = plain_mesh(random_points(150, 12.0, 12.0, seed=13), 12.0, 12.0)
 INNER = np.setdiff1d(np.arange(MESH.element_count), MESH.boundary_elements)

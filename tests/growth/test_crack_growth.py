@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from pearlite_petsc.benchmarks.cracks import SAME_PATH, common_share
 from pearlite_petsc.config import load_scene_text
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
 from pearlite_petsc.growth.checkpoint import Checkpoint
 from pearlite_petsc.growth.loop import CrackGrowth
 from pearlite_petsc.growth.prepared import Prepared, prepare_growth
 from pearlite_petsc.scene import Kind, Scene, State
+from pearlite_petsc.studies.benchmarks.cracks import SAME_PATH, common_share
 from tests.scenes import STATES, default_scene
 
 DELTA_K = 20e3

@@ -5,7 +5,7 @@ from pearlite_petsc.errors import PearliteError
 from pearlite_petsc.mechanics.elasticity import certificate, ratio_of_mesh, solve_uniform
 from pearlite_petsc.mechanics.springs import raje_ratio, spring_stiffness
 from pearlite_petsc.scene import Material
-from pearlite_petsc.verification.bodies import plain_mesh, random_points, rotated, tensor_points
+from pearlite_petsc.studies.bodies import plain_mesh, random_points, rotated, tensor_points
 
 E, NU = 206e3, 0.3
 HOMOGENEOUS = Material(E, NU, "homogeneous")

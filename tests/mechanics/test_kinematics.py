@@ -14,8 +14,8 @@ from pearlite_petsc.mechanics.kinematics import (
     stiffness_blocks,
 )
 from pearlite_petsc.mechanics.springs import Stiffness
+from pearlite_petsc.studies.bodies import plain_mesh, random_points, rotated, rotation
 from pearlite_petsc.tessellation.mesh import Mesh
-from pearlite_petsc.verification.bodies import plain_mesh, random_points, rotated, rotation
 
 RNG = np.random.default_rng(11)
 MESH = plain_mesh(random_points(40, 9.0, 7.0, seed=6), 9.0, 7.0)

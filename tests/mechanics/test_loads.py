@@ -7,7 +7,7 @@ from scipy.integrate import quad
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.mechanics.loads import facet_forces, uniform_stress, williams_mode_one
-from pearlite_petsc.verification.bodies import plain_mesh, random_points
+from pearlite_petsc.studies.bodies import plain_mesh, random_points
 
 K, TIP = 3.0, (4.0, 5.0)
 

@@ -11,8 +11,8 @@ from pearlite_petsc.mechanics.springs import (
     spring_stiffness,
 )
 from pearlite_petsc.scene import Material, Springs
+from pearlite_petsc.studies.bodies import plain_mesh, random_points, rotated
 from pearlite_petsc.tessellation.mesh import Mesh
-from pearlite_petsc.verification.bodies import plain_mesh, random_points, rotated
 
 E, NU = 206e3, 0.3
 

@@ -19,10 +19,10 @@ from pearlite_petsc.solver import krylov, matrix
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.part import make_part
 from pearlite_petsc.solver.petsc import PETSc
+from pearlite_petsc.studies import statics
+from pearlite_petsc.studies.bodies import plain_mesh, random_points
 from pearlite_petsc.tessellation.build import build_mesh
 from pearlite_petsc.tessellation.mesh import Mesh
-from pearlite_petsc.verification import statics
-from pearlite_petsc.verification.bodies import plain_mesh, random_points
 from tests.scenes import STATES, default_scene
 
 STEEL = Material(206e3, 0.3, "homogeneous")
