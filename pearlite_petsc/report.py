@@ -17,6 +17,8 @@ from pearlite_petsc.output.report.page import write_report
 from pearlite_petsc.output.results import read_results
 from pearlite_petsc.output.tables import read_fcg, read_growth, task_name
 
+_log = logging.getLogger(__name__)
+
 _EXAMPLES = """examples:
   python -m pearlite_petsc.report runs/quickstart
   python -m pearlite_petsc.report runs/quickstart --animate .gif
@@ -74,7 +76,11 @@ def rebuild(folder: Path, experiment: Path | None = None, film: str | None = Non
     result, scene_text, provenance = load_result(folder)
     points = experiment or _scene_experiment(result)
     if points is not None:
-        result = replace(result, measured=read_experiment(points))
+        states = [state.name for state in result.scene.states]
+        experiment_read = read_experiment(points, states)
+        for note in experiment_read.notes:
+            _log.info("%s", note)
+        result = replace(result, measured=experiment_read.points)
     draw_all(figure_jobs(result))
     films = draw_all(film_jobs(result, film)) if film else []
     write_report(folder / "report.html", result, scene_text, provenance)

@@ -134,7 +134,8 @@ def _scene(chosen: argparse.Namespace) -> Scene:
 
 def _with_experiment(scene: Scene) -> Scene:
     if scene.output.experiment is not None:
-        read_experiment(Path(scene.output.experiment))
+        states = [state.name for state in scene.states]
+        read_experiment(Path(scene.output.experiment), states)
     return scene
 
 

@@ -95,7 +95,7 @@ def draw_and_report(
     if world.rank < MOST_DRAWING:
         outcomes = read_results(folder / "results.h5").outcomes
         name = scene.output.experiment
-        measured = () if name is None else tuple(read_experiment(Path(name)))
+        measured = () if name is None else read_experiment(Path(name)).points
         result = Result(folder, scene, outcomes, measured)
         jobs = figure_jobs(result)
     count = world.bcast(len(jobs))

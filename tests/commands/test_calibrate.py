@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pearlite_petsc.calibrate import calibrate, main
+from pearlite_petsc.calibrate import main
 from pearlite_petsc.config import load_scene_text, scene_to_toml
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.output.calibration import calibrate
 from pearlite_petsc.output.experiment import MeasuredPoint
 from pearlite_petsc.output.tables import write_fcg
 
@@ -172,9 +173,9 @@ def test_the_command_takes_the_points_of_one_state_only(
     [
         ("", "column 'state' is missing"),
         ("state,delta_k_mpa_sqrt_m\n", "column 'da_dn_m_per_cycle' is missing"),
-        ("state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nx,1\n", "line 2: da_dn_m_per_cycle ="),
+        ("state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nx,1\n", "line 2: has 2 fields"),
         (
-            "state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nx,a,1\n",
+            "state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nx,a,1e-9\n",
             "delta_k_mpa_sqrt_m = 'a' is not a positive",
         ),
         (
@@ -183,7 +184,7 @@ def test_the_command_takes_the_points_of_one_state_only(
         ),
         ("state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nx,1,nan\n", "= 'nan' is not a positive"),
         ("state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\n", "no measured points below the head line"),
-        ("state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nx,1,1\n", "no measured point lies on a"),
+        ("state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nx,1,1e-9\n", "no measured point lies on a"),
     ],
 )
 def test_bad_points_end_the_command_with_one_line_and_status_2(
@@ -206,3 +207,79 @@ def test_missing_files_end_the_command_with_status_2(
     assert "no such file" in capsys.readouterr().err
     assert main([str(result_folder), "--experiment", str(tmp_path)]) == 2
     assert "cannot be read" in capsys.readouterr().err
+
+
+def test_a_run_out_moves_nothing_and_is_held_against_the_curve() -> None:
+    points = [on_the_law(delta_k, 2.5) for delta_k in (9.0, 15.0, 18.0)]
+    low, high = (
+        MeasuredPoint("severe_AT", 10.0, ratio * 1e-7, run_out=True) for ratio in (2.4, 2.6)
+    )
+    result = calibrate(power_law(), [*points, low, high])
+    assert result.factor == pytest.approx(2.5, rel=1e-12)
+    assert result.notes == ()
+    assert result.run_outs == (
+        "severe_AT at 10 MPa sqrt(m), below 2.4e-07 m/cycle: "
+        "the calibrated curve gives 2.5e-07, contradicts it",
+        "severe_AT at 10 MPa sqrt(m), below 2.6e-07 m/cycle: "
+        "the calibrated curve gives 2.5e-07, agrees",
+    )
+
+
+def test_a_point_far_from_the_others_is_named_with_what_they_give() -> None:
+    points = [on_the_law(13, 1e-6), on_the_law(16, 2.0), on_the_law(20, 3.0)]
+    (note,) = calibrate(power_law(), points).notes
+    assert (
+        "severe_AT at 13 MPa sqrt(m): measured over computed is 1e-06, the others give 2.45" in note
+    )
+    assert "run_out" in note
+
+
+def test_scatter_of_a_steel_is_no_outlier_and_no_unit() -> None:
+    random = np.random.default_rng(3)
+    for _ in range(100):
+        ratios = np.exp(random.normal(math.log(5.0), 0.6, 8))
+        points = [on_the_law(10 + place, ratio) for place, ratio in enumerate(ratios.tolist())]
+        assert calibrate(power_law(), points).notes == ()
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(352.0, "mm/cycle"), (2e6, "um/cycle")])
+def test_a_common_factor_near_a_unit_is_named_as_that_unit(factor: float, unit: str) -> None:
+    points = [on_the_law(delta_k, factor * 0.01) for delta_k in (9.0, 15.0, 18.0)]
+    (note,) = calibrate(power_law(scale=1e-15), points).notes
+    assert f"were they written in {unit}?" in note
+
+
+def test_delta_k_in_mpa_sqrt_mm_is_named_as_such() -> None:
+    points = [replace(on_the_law(k, 1.0), delta_k=k * 31.62) for k in (9.0, 15.0, 18.0)]
+    with pytest.raises(SceneError, match=r"fits the computed curve if it was written in MPa sqrt"):
+        calibrate(power_law(), points)
+    other = [on_the_law(k, 1.0, "undeformed") for k in (9.0, 15.0)]
+    result = calibrate(power_law() + power_law("undeformed"), [*points, *other])
+    assert result.notes == (
+        "Delta-K of severe_AT fits the computed curve if it was written in MPa sqrt(mm)",
+    )
+
+
+def test_a_misspelt_state_is_named_and_another_state_is_not() -> None:
+    points = [on_the_law(9, 1.0), on_the_law(9, 1.0, "severe_ATT"), on_the_law(9, 1.0, "severe_TA")]
+    left_out = calibrate(power_law(), points).left_out
+    assert left_out[0].endswith("no computed growth rate, is 'severe_AT' meant?")
+    assert left_out[1].endswith("no computed growth rate")
+
+
+def test_points_with_semicolons_and_a_slip_are_said_by_the_command(
+    result_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = result_folder / "rail.csv"
+    head = "state;delta_k_mpa_sqrt_m;da_dn_m_per_cycle;run_out"
+    rows = ("severe_AT;10;1,0e-4;no", "severe_AT;15;3,4e-4;no", "severe_AT;9;1e-4;yes")
+    file.write_text("\n".join([head, *rows]))
+    assert main([str(result_folder), "--experiment", str(file)]) == 0
+    printed = capsys.readouterr().out
+    assert "read with semicolons" in printed
+    assert "decimal commas in 2 line(s)" in printed
+    assert "were they written in mm/cycle?" in printed
+    assert "points used: 2 of 3" in printed
+    file.write_text(file.read_text().replace("severe_AT;9", "Severe_AT;9"))
+    assert main([str(result_folder), "--experiment", str(file)]) == 2
+    assert "line 4: state = 'Severe_AT'" in capsys.readouterr().err

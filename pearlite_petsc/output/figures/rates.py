@@ -48,7 +48,7 @@ def draw_rates(
     Filled marks: geometric mean over the meshes; bars: geometric standard deviation; half-filled
     and dashed: mean over those that grew to the wanted extension where others did not; small:
     single meshes; hollow: tasks that ended otherwise; arrows at the foot: arrested ones, which have
-    no rate. Vertical lines: thresholds. Grey: literature. Crosses: measured points.
+    no rate. Vertical lines: thresholds. Grey: literature. Crosses: measured points, arrows: run-outs.
 
     Args:
         path: Without suffix.
@@ -204,16 +204,21 @@ def _measured(
 ) -> None:
     shown = [p for p in measured if p.state in names or p.state not in styles]
     for state in sorted({p.state for p in shown}):
-        points = [p for p in shown if p.state == state]
-        axes.plot(
-            [p.delta_k for p in points],
-            [p.da_dn for p in points],
-            "x",
-            color=styles[state].colour if state in styles else GREY,
-            markersize=5.0,
-            zorder=5,
-            label=f"measured, {styles[state].label if state in styles else state}",
-        )
+        colour = styles[state].colour if state in styles else GREY
+        label = f"measured, {styles[state].label if state in styles else state}"
+        for run_out, mark, end in ((False, "x", ""), (True, CARETDOWN, ", run-out")):
+            points = [p for p in shown if p.state == state and p.run_out is run_out]
+            if points:
+                axes.plot(
+                    [p.delta_k for p in points],
+                    [p.da_dn for p in points],
+                    linestyle="none",
+                    marker=mark,
+                    color=colour,
+                    markersize=5.0,
+                    zorder=5,
+                    label=label + end,
+                )
 
 
 def _range(
