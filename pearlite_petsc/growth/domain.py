@@ -9,7 +9,7 @@ from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.damage import DamageLaw, damage_law
 from pearlite_petsc.growth.first_rank import on_first
 from pearlite_petsc.mechanics.lefm import remote_stress
-from pearlite_petsc.mechanics.loads import facet_forces, uniform_stress, williams_mode_one
+from pearlite_petsc.mechanics.loads import element_forces, uniform_stress, williams_mode_one
 from pearlite_petsc.mechanics.springs import spring_stiffness
 from pearlite_petsc.scene import Kind, Scene, State
 from pearlite_petsc.solver.compliance import Compliance
@@ -116,10 +116,8 @@ class Domain:
         else:
             length = self.scene.window.notch if loading.control == "stress" else tip[0]
             airy = uniform_stress(0.0, remote_stress(delta_k, length, width), 0.0)
-        forces = facet_forces(part.facet_start, part.facet_end, part.centre[part.facet], airy)
-        load = np.zeros((part.own, 3))
-        np.add.at(load, part.facet, forces)
-        return load
+        own = part.centre[: part.own]
+        return element_forces(part.facet_start, part.facet_end, part.facet, own, airy)
 
     def stresses(self, jump: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return effective normal and shear stress k_0 jump [MPa], broken or not; (k,) each."""

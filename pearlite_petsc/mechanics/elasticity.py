@@ -3,19 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.linalg import splu
 
 from pearlite_petsc.arrays import FloatArray
-from pearlite_petsc.mechanics.kinematics import (
-    jump_operator,
-    jumps,
-    rotation_length,
-    spring_constants,
-    stiffness_blocks,
-)
-from pearlite_petsc.mechanics.loads import facet_forces, uniform_stress
+from pearlite_petsc.mechanics.loads import uniform_stress
 from pearlite_petsc.mechanics.springs import Stiffness, matched_ratio, spring_stiffness
+from pearlite_petsc.mechanics.statics import solve_loads
 from pearlite_petsc.scene import Material
 from pearlite_petsc.tessellation.mesh import Mesh
 
@@ -57,34 +49,10 @@ def solve_uniform(
         Unknowns (X, Y, phi) of each element; (s, n, 3), and interface tractions (normal,
         tangential) [MPa]; (s, k, 2).
     """
-    rotation = rotation_length(mesh)
-    pairs = mesh.interface_elements
-    operator = jump_operator(mesh.centre, pairs, mesh.midpoint, mesh.normal, rotation)
-    blocks = stiffness_blocks(operator, spring_constants(stiffness, mesh.length))
-    unknown = (3 * pairs[:, :, None] + np.arange(3)).reshape(-1, 6)
-    size = 3 * mesh.element_count
-    rows = np.repeat(unknown, 6, axis=1).ravel()
-    columns = np.tile(unknown, 6).ravel()
-    matrix = coo_array((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsc()
-    # One element held takes the rigid motion out; the load balances itself.
-    held = 3 * int(np.argmin(np.abs(mesh.centre - mesh.centre.mean(axis=0)).sum(axis=1)))
-    free = np.delete(np.arange(size), range(held, held + 3))
-    factor = splu(matrix[free][:, free])
-    start, end = (mesh.vertices[mesh.boundary_vertices[:, side]] for side in (0, 1))
-    unknowns = np.zeros((len(stresses), size))
-    for row, (xx, yy, xy) in enumerate(stresses):
-        centre = mesh.centre[mesh.boundary_elements]
-        forces = facet_forces(start, end, centre, uniform_stress(xx, yy, xy))
-        load = np.zeros((mesh.element_count, 3))
-        np.add.at(load, mesh.boundary_elements, forces / np.array([1.0, 1.0, rotation]))
-        unknowns[row, free] = factor.solve(load.ravel()[free])
-    motions = unknowns.reshape(len(stresses), -1, 3)
-    springs = np.stack([stiffness.k_n, stiffness.k_t], axis=1)
-    tractions = [
-        springs * jumps(operator, motion[pairs[:, 0]], motion[pairs[:, 1]])[:, :2]
-        for motion in motions
-    ]
-    return motions, np.stack(tractions)
+    intact = np.zeros(mesh.interface_count, dtype=np.bool_)
+    loads = [uniform_stress(xx, yy, xy) for xx, yy, xy in stresses]
+    found = solve_loads(mesh, stiffness, intact, loads)
+    return np.stack([s.unknowns for s in found]), np.stack([s.traction for s in found])
 
 
 def certificate(mesh: Mesh, stiffness: Stiffness) -> Certificate:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.arrays import FloatArray, IntArray
 
 AiryFunction = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Points (p, 2) [um] -> U [uN] of shape (p,) and its gradient [uN/um] of shape (p, 2)."""
@@ -70,3 +70,22 @@ def facet_forces(
     moment = (u_1 - np.einsum("qd,qd->q", end, g_1)) - (u_0 - np.einsum("qd,qd->q", start, g_0))
     moment -= centre[:, 0] * force[:, 1] - centre[:, 1] * force[:, 0]
     return np.column_stack([force, moment])
+
+
+def element_forces(
+    start: FloatArray, end: FloatArray, element: IntArray, centre: FloatArray, airy: AiryFunction
+) -> FloatArray:
+    """Return what the stress function puts on each element.
+
+    Args:
+        start, end: Ends of the boundary's facets, counter-clockwise [um]; shape (q, 2) each.
+        element: Element of each facet; shape (q,).
+        centre: Centres of all elements [um]; shape (n, 2).
+        airy: Airy function of the load.
+
+    Returns:
+        (F_x, F_y, moment about the centre) [uN, uN, uN um]; shape (n, 3).
+    """
+    load = np.zeros((len(centre), 3))
+    np.add.at(load, element, facet_forces(start, end, centre[element], airy))
+    return load

@@ -6,7 +6,12 @@ import pytest
 from scipy.integrate import quad
 
 from pearlite_petsc.arrays import FloatArray
-from pearlite_petsc.mechanics.loads import facet_forces, uniform_stress, williams_mode_one
+from pearlite_petsc.mechanics.loads import (
+    element_forces,
+    facet_forces,
+    uniform_stress,
+    williams_mode_one,
+)
 from pearlite_petsc.studies.bodies import plain_mesh, random_points
 
 K, TIP = 3.0, (4.0, 5.0)
@@ -117,3 +122,15 @@ def test_the_load_is_proportional_to_k_and_symmetric_about_the_crack() -> None:
 
     mirrored = facet_forces(flip(end), flip(start), flip(centre), williams_mode_one(K, TIP))[0]
     assert mirrored == pytest.approx(single * [1.0, -1.0, -1.0], abs=1e-12)
+
+
+def test_the_facets_of_an_element_add_up_and_elements_inside_carry_no_load() -> None:
+    airy = williams_mode_one(K, TIP)
+    mesh = plain_mesh(random_points(60, 8.0, 8.0, seed=1), 8.0, 8.0)
+    start, end = (mesh.vertices[mesh.boundary_vertices[:, side]] for side in (0, 1))
+    found = element_forces(start, end, mesh.boundary_elements, mesh.centre, airy)
+    facets = facet_forces(start, end, mesh.centre[mesh.boundary_elements], airy)
+    assert len(facets) > len(np.unique(mesh.boundary_elements))
+    for element in range(mesh.element_count):
+        own = facets[mesh.boundary_elements == element]
+        assert np.allclose(found[element], own.sum(axis=0), rtol=1e-12)

@@ -11,6 +11,7 @@ from mpi4py import MPI
 from pearlite_petsc.arrays import BoolArray, FloatArray
 from pearlite_petsc.errors import PearliteError, SolverError
 from pearlite_petsc.fatigue.loose import LooseClusters
+from pearlite_petsc.mechanics import statics
 from pearlite_petsc.mechanics.loads import uniform_stress
 from pearlite_petsc.mechanics.springs import spring_stiffness
 from pearlite_petsc.scene import Kind, Material, Solver
@@ -19,7 +20,6 @@ from pearlite_petsc.solver import krylov, matrix
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.part import make_part
 from pearlite_petsc.solver.petsc import PETSc
-from pearlite_petsc.studies import statics
 from pearlite_petsc.studies.bodies import plain_mesh, random_points
 from pearlite_petsc.tessellation.build import build_mesh
 from pearlite_petsc.tessellation.mesh import Mesh

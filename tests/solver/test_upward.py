@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from pearlite_petsc.arrays import BoolArray, FloatArray
+from pearlite_petsc.mechanics import statics
 from pearlite_petsc.mechanics.springs import spring_stiffness
 from pearlite_petsc.scene import Kind, Material
 from pearlite_petsc.solver import equilibrium as equilibrium_module
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.petsc import PETSc
 from pearlite_petsc.solver.upward import MOST_UPWARD
-from pearlite_petsc.studies import statics
 from tests.solver.test_equilibrium import (
     INNER,
     NOTCHED,

@@ -70,9 +70,8 @@ def picture(path: Path, caption: str) -> str:
 
 
 def _pixels(path: Path) -> int:
-    """Return the width of a PNG, which its head gives."""
-    with path.open("rb") as file:
-        return int.from_bytes(file.read(20)[16:], "big")
+    with Image.open(path) as image:
+        return int(image.width)
 
 
 def _compact(path: Path) -> tuple[str, bytes]:

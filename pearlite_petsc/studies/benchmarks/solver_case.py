@@ -303,14 +303,12 @@ def measure(comm: "MPI.Comm", body: Body, method: str, cracked: bool) -> dict[st
 
 def _load(body: Body) -> FloatArray:
     """Return the tractions of a K field on own elements, moments over the rotation length [uN]."""
-    from pearlite_petsc.mechanics.loads import facet_forces, williams_mode_one
+    from pearlite_petsc.mechanics.loads import element_forces, williams_mode_one
 
     part, airy = body.part, williams_mode_one(DELTA_K, body.tip)
-    load = np.zeros((part.own, 3))
-    forces = facet_forces(part.facet_start, part.facet_end, part.centre[part.facet], airy)
-    np.add.at(load, part.facet, forces)
-    load[:, 2] /= part.rotation
-    return load
+    own = part.centre[: part.own]
+    load = element_forces(part.facet_start, part.facet_end, part.facet, own, airy)
+    return load / [1.0, 1.0, part.rotation]
 
 
 def write_case(comm: "MPI.Comm", folder: Path, method: str, result: Path) -> None:

@@ -227,9 +227,9 @@ def _release(share: float) -> float:
     """Return the energy that an advance of an edge crack releases [uN um]."""
     from pearlite_petsc.mechanics.loads import uniform_stress
     from pearlite_petsc.mechanics.springs import Stiffness, spring_stiffness
+    from pearlite_petsc.mechanics.statics import solve
     from pearlite_petsc.studies.bodies import on_line
     from pearlite_petsc.studies.cases import STEEL
-    from pearlite_petsc.studies.statics import solve
     from pearlite_petsc.studies.verification.cracked_bodies import EDGE, HALF_HEIGHT, grid_mesh
 
     body = EDGE[1]

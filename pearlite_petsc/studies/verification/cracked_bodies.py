@@ -11,12 +11,12 @@ from pearlite_petsc.arrays import BoolArray, FloatArray
 from pearlite_petsc.mechanics.lefm import centre_crack_factor, edge_crack_factor
 from pearlite_petsc.mechanics.loads import uniform_stress
 from pearlite_petsc.mechanics.springs import spring_stiffness
+from pearlite_petsc.mechanics.statics import load_vector
 from pearlite_petsc.scene import Solver
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.part import make_part
 from pearlite_petsc.studies.bodies import on_line, plain_mesh, tensor_points
 from pearlite_petsc.studies.cases import STEEL
-from pearlite_petsc.studies.statics import load_vector
 from pearlite_petsc.tessellation.mesh import Mesh
 
 BASE = 8.0

@@ -8,6 +8,7 @@ from pearlite_petsc.mechanics.elasticity import solve_uniform
 from pearlite_petsc.mechanics.kinematics import jumps, rigid_modes, rotation_length
 from pearlite_petsc.mechanics.loads import AiryFunction, facet_forces, williams_mode_one
 from pearlite_petsc.mechanics.springs import Stiffness, spring_stiffness
+from pearlite_petsc.mechanics.statics import load_vector, operators, solve, stiffness_matrix
 from pearlite_petsc.scene import Kind, Solver, Springs
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.part import make_part
@@ -19,7 +20,6 @@ from pearlite_petsc.studies.bodies import (
     rotation,
 )
 from pearlite_petsc.studies.cases import STATES, STEEL, scene_of, steel
-from pearlite_petsc.studies.statics import load_vector, operators, solve, stiffness_matrix
 from pearlite_petsc.studies.verification.claim import Section, Setting
 from pearlite_petsc.tessellation.build import build_mesh
 from pearlite_petsc.tessellation.mesh import Mesh

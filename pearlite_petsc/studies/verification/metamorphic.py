@@ -13,10 +13,10 @@ from pearlite_petsc.growth.loop import CrackGrowth
 from pearlite_petsc.growth.prepared import Prepared, prepare_growth
 from pearlite_petsc.mechanics.loads import AiryFunction, williams_mode_one
 from pearlite_petsc.mechanics.springs import spring_stiffness
+from pearlite_petsc.mechanics.statics import solve
 from pearlite_petsc.scene import Kind, Scene, State
 from pearlite_petsc.studies.bodies import rotated
 from pearlite_petsc.studies.cases import DAMAGE, STATES, STEEL, scene_of
-from pearlite_petsc.studies.statics import solve
 from pearlite_petsc.studies.verification.claim import Section, Setting
 from pearlite_petsc.studies.verification.exact import turned_load
 from pearlite_petsc.tessellation.build import tessellate

@@ -9,10 +9,10 @@ from pearlite_petsc.mechanics.elasticity import ratio_of_mesh
 from pearlite_petsc.mechanics.lefm import edge_crack_factor
 from pearlite_petsc.mechanics.loads import uniform_stress, williams_mode_one
 from pearlite_petsc.mechanics.springs import spring_stiffness
+from pearlite_petsc.mechanics.statics import solve
 from pearlite_petsc.scene import Kind, Springs
 from pearlite_petsc.studies.bodies import notch_between, on_line
 from pearlite_petsc.studies.cases import STATES, STEEL, scene_of, steel
-from pearlite_petsc.studies.statics import solve
 from pearlite_petsc.tessellation.build import build_mesh
 from pearlite_petsc.tessellation.mesh import Mesh
 

@@ -1,5 +1,6 @@
-"""Equilibrium of a body with broken interfaces by a direct solver, free of the solver under test."""
+"""Equilibrium of a whole body by SciPy's direct solver, independent of the solver on PETSc."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from pearlite_petsc.mechanics.kinematics import (
     spring_constants,
     stiffness_blocks,
 )
-from pearlite_petsc.mechanics.loads import AiryFunction, facet_forces
+from pearlite_petsc.mechanics.loads import AiryFunction, element_forces
 from pearlite_petsc.mechanics.springs import Stiffness
 from pearlite_petsc.tessellation.mesh import Mesh
 
@@ -41,11 +42,8 @@ class Solution:
 def load_vector(mesh: Mesh, airy: AiryFunction) -> FloatArray:
     """Return (F_x, F_y, M/length) on each element from a stress function [uN]; (n, 3)."""
     start, end = (mesh.vertices[mesh.boundary_vertices[:, side]] for side in (0, 1))
-    forces = facet_forces(start, end, mesh.centre[mesh.boundary_elements], airy)
-    load = np.zeros((mesh.element_count, 3))
-    scale = np.array([1.0, 1.0, rotation_length(mesh)])
-    np.add.at(load, mesh.boundary_elements, forces / scale)
-    return load
+    load = element_forces(start, end, mesh.boundary_elements, mesh.centre, airy)
+    return load / [1.0, 1.0, rotation_length(mesh)]
 
 
 def operators(mesh: Mesh, stiffness: Stiffness) -> tuple[FloatArray, FloatArray]:
@@ -64,35 +62,47 @@ def stiffness_matrix(mesh: Mesh, operator: FloatArray, constants: FloatArray) ->
     return coo_array((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsc()
 
 
-def solve(mesh: Mesh, stiffness: Stiffness, broken: BoolArray, airy: AiryFunction) -> Solution:
-    """Return the equilibrium of a body under a load that balances itself.
+def solve_loads(
+    mesh: Mesh, stiffness: Stiffness, broken: BoolArray, loads: Sequence[AiryFunction]
+) -> list[Solution]:
+    """Return the equilibrium of a body under each of some loads that balance themselves.
 
     Args:
         mesh: The body; its intact interfaces hold it together.
         stiffness: Springs of all interfaces.
         broken: Interfaces taken out; (k,).
-        airy: Stress function of the load on the whole boundary.
+        loads: Stress functions of the loads on the whole boundary.
     """
     operator, constants = operators(mesh, stiffness)
     constants = constants * ~broken[:, None]
     matrix = stiffness_matrix(mesh, operator, constants)
-    load = load_vector(mesh, airy)
     # One element held takes the rigid motion out; the load balances itself.
     held = 3 * int(np.argmax(mesh.centre @ [1.0, 0.0]))
-    free = np.delete(np.arange(load.size), range(held, held + 3))
-    unknowns = np.zeros(load.size)
+    free = np.delete(np.arange(matrix.shape[0]), range(held, held + 3))
     factor = splu(
         matrix[free][:, free], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
     )
-    unknowns[free] = factor.solve(load.ravel()[free])
-    balance = load.ravel() - matrix @ unknowns
-    motion = unknowns.reshape(-1, 3)
     i, j = mesh.interface_elements.T
-    force = constants * jumps(operator, motion[i], motion[j])
-    return Solution(
-        motion,
-        force[:, :2] / mesh.length[:, None],
-        force,
-        0.5 * float(load.ravel() @ unknowns),
-        float(np.abs(balance).max() / np.abs(force[:, :2]).max()),
-    )
+    found = []
+    for airy in loads:
+        load = load_vector(mesh, airy).ravel()
+        unknowns = np.zeros(load.size)
+        unknowns[free] = factor.solve(load[free])
+        motion = unknowns.reshape(-1, 3)
+        force = constants * jumps(operator, motion[i], motion[j])
+        found.append(
+            Solution(
+                motion,
+                force[:, :2] / mesh.length[:, None],
+                force,
+                0.5 * float(load @ unknowns),
+                float(np.abs(load - matrix @ unknowns).max() / np.abs(force[:, :2]).max()),
+            )
+        )
+    return found
+
+
+def solve(mesh: Mesh, stiffness: Stiffness, broken: BoolArray, airy: AiryFunction) -> Solution:
+    """Return the equilibrium of a body under one load; as ``solve_loads``."""
+    (solution,) = solve_loads(mesh, stiffness, broken, [airy])
+    return solution
