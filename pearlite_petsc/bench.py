@@ -1,8 +1,7 @@
 """Command: what each choice of method costs in time and accuracy, and where methods fail.
 
-``python -m pearlite_petsc.bench NAME [options]``; each name is a module of
-``studies.benchmarks`` with ``add_arguments(parser)`` and ``main(args)``, which returns the exit
-status.
+``pearlite bench NAME [options]``; each name is a module of ``studies.benchmarks`` with
+``add_arguments(parser)`` and ``main(args)``, which returns the exit status.
 """
 
 import argparse
@@ -12,9 +11,17 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from pearlite_petsc.command_line import (
+    CommandParser,
+    add_output_option,
+    complain,
+    given_arguments,
+)
 from pearlite_petsc.errors import SceneError
+from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.output.whole_file import make_folder
 from pearlite_petsc.studies.benchmarks.solver import SOLVER_CASE
+from pearlite_petsc.world import world
 
 SUBCOMMANDS = {
     "pareto": "speed against accuracy of cracks, one choice at a time",
@@ -33,22 +40,20 @@ LEAST = {"meshes": 1, "ranks": 1, "tasks": 1, "unknowns": 1000}
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a benchmark; return its exit status: 0, 1 a bar was missed, 2 bad input."""
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    given = given_arguments(arguments)
     if given[:1] == [SOLVER_CASE]:
         return _solver_case(*given[1:])
-    parser = argparse.ArgumentParser(
-        prog="python -m pearlite_petsc.bench",
-        description="Measure speed, accuracy and limits of the methods.",
-        epilog="\n".join(f"{name:10} {text}" for name, text in SUBCOMMANDS.items()),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+    parser = CommandParser(
+        "bench",
+        "Measure speed, accuracy and limits of the methods.",
+        "\n".join(f"{name:10} {text}" for name, text in SUBCOMMANDS.items()),
     )
     parser.add_argument("name", choices=SUBCOMMANDS, help="which benchmark")
     chosen = parser.parse_args(given[:1])
     # Only the chosen one, whose libraries the others need not have.
     module = importlib.import_module(f"pearlite_petsc.studies.benchmarks.{chosen.name}")
-    own = argparse.ArgumentParser(
-        prog=f"python -m pearlite_petsc.bench {chosen.name}", description=module.__doc__
-    )
+    own = CommandParser(f"bench {chosen.name}", module.__doc__ or "")
+    add_output_option(own, "folder of tables and figures", Path("docs/benchmarks"))
     module.add_arguments(own)
     options = own.parse_args(given[1:])
     try:
@@ -56,8 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         make_folder(options.output)
         status: int = module.main(options)
     except SceneError as error:
-        sys.stderr.write(f"{error}\n")
-        return 2
+        complain(str(error))
+        return ExitStatus.BAD_INPUT
     return status
 
 
@@ -71,12 +76,10 @@ def _check_numbers(options: argparse.Namespace) -> None:
 
 def _solver_case(bodies: str, method: str, result: str) -> int:
     """Measure one method of ``bench solver`` on the ranks that were started. Collective."""
-    from mpi4py import MPI
-
     from pearlite_petsc.studies.benchmarks.solver_case import write_case
 
-    write_case(MPI.COMM_WORLD, Path(bodies), method, Path(result))
-    return 0
+    write_case(world(), Path(bodies), method, Path(result))
+    return ExitStatus.DONE
 
 
 if __name__ == "__main__":

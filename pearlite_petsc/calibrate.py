@@ -1,14 +1,15 @@
 """Command: the damage constant C that makes a finished result agree with measured growth rates."""
 
-import argparse
 import math
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from pearlite_petsc.command_line import CommandParser, complain
 from pearlite_petsc.config import load_scene, scene_to_toml
 from pearlite_petsc.errors import PearliteError, SceneError
+from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.output.calibration import CONFIDENCE, Calibration, calibrate
 from pearlite_petsc.output.experiment import COLUMNS, RUN_OUT, MeasuredPoint, read_experiment
 from pearlite_petsc.output.tables import read_fcg
@@ -44,10 +45,10 @@ def report(scene: Scene, result: Calibration) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return 0, or 2 for input that cannot be used."""
-    parser = argparse.ArgumentParser(
-        prog="python -m pearlite_petsc.calibrate",
-        description="Damage constant C [um^5/N^2] from a finished result and measured growth rates",
-        epilog="example: python -m pearlite_petsc.calibrate runs/paper --experiment rail.csv",
+    parser = CommandParser(
+        "calibrate",
+        "Damage constant C [um^5/N^2] from a finished result and measured growth rates.",
+        "example: pearlite calibrate runs/paper --experiment rail.csv",
     )
     parser.add_argument("result", type=Path, help="output folder with fcg.csv")
     parser.add_argument(
@@ -69,9 +70,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         text = report(scene, calibrate(outcomes, points))
         sys.stdout.write("".join(f"note: {note}\n" for note in experiment.notes) + text)
     except PearliteError as error:
-        sys.stderr.write(f"{error}\n")
-        return 2
-    return 0
+        complain(str(error))
+        return ExitStatus.BAD_INPUT
+    return ExitStatus.DONE
 
 
 def _of_state(

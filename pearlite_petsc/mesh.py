@@ -1,6 +1,6 @@
 """Command: one mesh of a scene as an HDF5 file.
 
-``python -m pearlite_petsc.mesh SCENE.toml --state NAME --index I --output FILE.h5``
+``pearlite mesh SCENE.toml --state NAME --index I --output FILE.h5``
 """
 
 import argparse
@@ -9,8 +9,15 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from pearlite_petsc.command_line import (
+    CommandParser,
+    add_output_option,
+    add_set_option,
+    complain,
+)
 from pearlite_petsc.config import load_scene, scene_to_toml
 from pearlite_petsc.errors import PearliteError, SceneError
+from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.microstructure.cells import equivalent_diameters
 from pearlite_petsc.output.mesh_file import write_mesh
 from pearlite_petsc.scene import Scene, State
@@ -34,10 +41,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         mesh = tessellate(substrate, initial_zone(scene))
         write_mesh(options.output, mesh, scene_to_toml(scene))
     except (PearliteError, OSError) as error:
-        sys.stderr.write(f"{error}\n")
-        return 2
+        complain(str(error))
+        return ExitStatus.BAD_INPUT
     sys.stdout.write(f"{summary(scene, substrate, mesh)}\nwrote {options.output}\n")
-    return 0
+    return ExitStatus.DONE
 
 
 def summary(scene: Scene, substrate: Substrate, mesh: Mesh) -> str:
@@ -83,23 +90,17 @@ def _state(scene: Scene, path: Path, name: str) -> State:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="python -m pearlite_petsc.mesh",
-        description="Make one mesh of a scene: microstructure, elements, interfaces.",
-        epilog="example: python -m pearlite_petsc.mesh runs/quickstart.toml --state severe_AT "
-        "--index 0 --output meshes/severe_AT_m0.h5",
+    parser = CommandParser(
+        "mesh",
+        "Make one mesh of a scene: microstructure, elements, interfaces.",
+        "example: pearlite mesh runs/quickstart.toml --state severe_AT --index 0 "
+        "--output meshes/severe_AT_m0.h5",
     )
     parser.add_argument("scene", type=Path, help="scene (TOML)")
     parser.add_argument("--state", required=True, help="name of a state of the scene")
     parser.add_argument("--index", required=True, type=int, help="number of the mesh, from 0")
-    parser.add_argument("--output", required=True, type=Path, help="HDF5 file to write")
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="SECTION.KEY=VALUE",
-        help="change a value of the scene",
-    )
+    add_output_option(parser, "HDF5 file to write", metavar="FILE.h5")
+    add_set_option(parser)
     parser.add_argument("--overwrite", action="store_true", help="replace an existing file")
     return parser
 

@@ -1,6 +1,5 @@
 """Command: figures and report of a result folder, from ``results.h5`` (or the tables) alone."""
 
-import argparse
 import logging
 import sys
 from collections.abc import Sequence
@@ -8,8 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from pearlite_petsc.command_line import CommandParser, complain
 from pearlite_petsc.config import load_scene, load_scene_text
 from pearlite_petsc.errors import PearliteError, SceneError
+from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.output.draw import Result, draw_all, figure_jobs, film_jobs
 from pearlite_petsc.output.experiment import read_experiment
@@ -20,21 +21,18 @@ from pearlite_petsc.output.tables import read_fcg, read_growth, task_name
 _log = logging.getLogger(__name__)
 
 _EXAMPLES = """examples:
-  python -m pearlite_petsc.report runs/quickstart
-  python -m pearlite_petsc.report runs/quickstart --animate .gif
-  python -m pearlite_petsc.report runs/quickstart --experiment my_points.csv
+  pearlite report runs/quickstart
+  pearlite report runs/quickstart --animate .gif
+  pearlite report runs/quickstart --experiment my_points.csv
 """
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status (0 done, 2 bad input)."""
-    parser = argparse.ArgumentParser(
-        prog="python -m pearlite_petsc.report",
-        description="Draw the figures and write report.html of a finished result folder.",
-        epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+    parser = CommandParser(
+        "report", "Draw the figures and write report.html of a finished result folder.", _EXAMPLES
     )
-    parser.add_argument("folder", type=Path, help="result folder of pearlite_petsc.run")
+    parser.add_argument("folder", type=Path, help="result folder of pearlite run")
     parser.add_argument(
         "--experiment",
         type=Path,
@@ -53,10 +51,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         written = rebuild(chosen.folder, chosen.experiment, chosen.animate)
     except PearliteError as error:
-        sys.stderr.write(f"{error}\n")
-        return 2
+        complain(str(error))
+        return ExitStatus.BAD_INPUT
     sys.stdout.write("".join(f"wrote {path}\n" for path in written))
-    return 0
+    return ExitStatus.DONE
 
 
 def rebuild(folder: Path, experiment: Path | None = None, film: str | None = None) -> list[Path]:

@@ -1,6 +1,6 @@
 """Command: grow the cracks of a scene on all ranks and leave curves, pictures and ParaView files.
 
-``mpirun -n RANKS python -m pearlite_petsc.run [SCENE.toml] [-- PETSc options]``
+``mpirun -n RANKS pearlite run [SCENE.toml] [-- PETSc options]``
 """
 
 import argparse
@@ -12,25 +12,33 @@ import traceback
 from collections.abc import Sequence
 from pathlib import Path
 from time import monotonic
-from typing import Any
 
 import pearlite_petsc
+from pearlite_petsc.command_line import (
+    CommandParser,
+    add_output_option,
+    add_set_option,
+    complain,
+    expected_ranks,
+    given_arguments,
+    say,
+)
 from pearlite_petsc.config import load_scene, load_scene_text, scene_schema
 from pearlite_petsc.errors import PearliteError, SceneError
+from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.output.experiment import read_experiment
 from pearlite_petsc.output.results import read_results
 from pearlite_petsc.scene import Scene
-
-DONE, BROKEN, BAD_INPUT, SOME_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
-"""Exit status; BROKEN is an error of the program or an output that cannot be written."""
+from pearlite_petsc.world import world
 
 _EXAMPLES = """examples:
-  mpirun -n 2 python -m pearlite_petsc.run                         the quickstart
-  mpirun -n 8 python -m pearlite_petsc.run runs/paper.toml --resume
-  python -m pearlite_petsc.run my.toml --set loading.delta_k_mpa_sqrt_m=[10,20] --dry-run
-  python -m pearlite_petsc.run runs/quickstart/results.h5 --output runs/again
-  python -m pearlite_petsc.run my.toml -- -log_view -ksp_type cg -pc_type cholesky
+  mpirun -n 2 pearlite run                         the quickstart on two ranks
+  mpirun -n 8 pearlite run runs/paper.toml --resume
+  pearlite run my.toml --set loading.delta_k_mpa_sqrt_m=[10,20] --dry-run
+  pearlite run runs/quickstart/results.h5 --output runs/again
+  pearlite run my.toml -- -log_view -ksp_type cg -pc_type cholesky
 
+Without mpirun (or srun) it runs on one rank; cracks are shared out among the ranks there are.
 Units: lengths in um, Delta-K in MPa sqrt(m), stresses in MPa; the key's name ends in its unit.
 Exit status: 0 done, 1 error or output not writable, 2 bad input (nothing written), 3 some tasks
 failed, 130 stopped by a signal or the wall time; --resume goes on from there.
@@ -40,25 +48,25 @@ failed, 130 stopped by a signal or the wall time; --resume goes on from there.
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status."""
     started = monotonic()
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    given = given_arguments(arguments)
     cut = given.index("--") if "--" in given else len(given)
     own, petsc = given[:cut], given[cut + 1 :]
     chosen = _parser().parse_args(own)
     if chosen.schema:
-        _say(json.dumps(scene_schema(), indent=2))
-        return DONE
+        say(json.dumps(scene_schema(), indent=2))
+        return ExitStatus.DONE
     try:
         scene = _scene(chosen)
         _check_options(chosen, petsc)
     except SceneError as error:
-        _complain(str(error))
-        return BAD_INPUT
+        complain(str(error))
+        return ExitStatus.BAD_INPUT
     folder = chosen.output or Path("runs") / scene.name
     if chosen.dry_run:
         from pearlite_petsc.ensemble.estimate import dry_run_text
 
-        _say(dry_run_text(scene, folder, _ranks()))
-        return DONE
+        say(dry_run_text(scene, folder, expected_ranks()))
+        return ExitStatus.DONE
     return _start(chosen, scene, folder, petsc, ["pearlite_petsc.run", *given], started)
 
 
@@ -71,13 +79,7 @@ def _start(
     started: float,
 ) -> int:
     """Start MPI and PETSc and run; an unexpected error ends all ranks."""
-    import mpi4py
-
-    # Only the main thread calls MPI, and one-sided calls over plain networks need to know that.
-    mpi4py.rc.thread_level = "funneled"
-    from mpi4py import MPI
-
-    world = MPI.COMM_WORLD
+    ranks = world()
     try:
         from pearlite_petsc.solver.start import start_petsc
 
@@ -94,22 +96,22 @@ def _start(
             chosen.max_walltime,
             tuple(command),
         )
-        return Session(world, scene, settings, started, _on_terminal()).run()
+        return Session(ranks, scene, settings, started, _on_terminal()).run()
     except SceneError as error:
         # Raised on all ranks alike.
-        if world.rank == 0:
+        if ranks.rank == 0:
             sys.stderr.write(f"{error}\n")
-        return BAD_INPUT
+        return ExitStatus.BAD_INPUT
     except BaseException as error:
         if isinstance(error, PearliteError):
             sys.stderr.write(f"{error}\n")
         else:
             traceback.print_exc()
         logging.getLogger(__name__).exception("unexpected error")
-        if world.size > 1:
+        if ranks.size > 1:
             sys.stderr.flush()
-            world.Abort(BROKEN)
-        return BROKEN
+            ranks.Abort(ExitStatus.BROKEN)
+        return ExitStatus.BROKEN
 
 
 def _scene(chosen: argparse.Namespace) -> Scene:
@@ -152,34 +154,17 @@ def _check_options(chosen: argparse.Namespace, petsc: Sequence[str]) -> None:
         raise SceneError(f"-- {petsc[0]}: PETSc options start with -")
 
 
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, on one rank."""
-
-    def error(self, message: str) -> Any:
-        """Leave with the exit status of bad input."""
-        _complain(f"{self.prog}: {message} (--help lists the options)")
-        sys.exit(BAD_INPUT)
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="python -m pearlite_petsc.run",
-        description="Grow the fatigue cracks of a scene; on several ranks with mpirun or srun.",
-        epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+    parser = CommandParser(
+        "run",
+        "Grow the fatigue cracks of a scene; on several ranks with mpirun or srun.",
+        _EXAMPLES,
         usage="%(prog)s [SCENE.toml | results.h5] [options] [-- PETSc options]",
-        allow_abbrev=False,
     )
     add = parser.add_argument
     add("scene", nargs="?", type=Path, metavar="SCENE", help="scene; default runs/quickstart.toml")
-    add("--output", type=Path, metavar="DIR", help="output folder; default runs/<scene>")
-    add(
-        "--set",
-        action="append",
-        default=[],
-        metavar="TABLE.KEY=VALUE",
-        help="change a value of the scene; as often as needed",
-    )
+    add_output_option(parser, "output folder; default runs/<scene>")
+    add_set_option(parser)
     add("--resume", action="store_true", help="go on with what is in the output folder")
     add("--retry-failed", action="store_true", help="with --resume: failed tasks once more")
     add("--overwrite", action="store_true", help="remove what an earlier run left there")
@@ -197,17 +182,6 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _ranks() -> int:
-    """Return the number of ranks as the starter of the job says it, before MPI is there."""
-    names = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_NTASKS")
-    return next((int(os.environ[name]) for name in names if name in os.environ), 1)
-
-
-def _first_rank() -> bool:
-    names = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID")
-    return next((os.environ[name] for name in names if name in os.environ), "0") == "0"
-
-
 def _on_terminal() -> bool:
     """Return whether a user looks at standard output; Open MPI shows its ranks a false terminal."""
     if "OMPI_COMM_WORLD_RANK" in os.environ:
@@ -216,16 +190,6 @@ def _on_terminal() -> bool:
         except OSError:
             return False
     return sys.stdout.isatty()
-
-
-def _say(text: str) -> None:
-    if _first_rank():
-        sys.stdout.write(f"{text}\n")
-
-
-def _complain(text: str) -> None:
-    if _first_rank():
-        sys.stderr.write(f"{text}\n")
 
 
 if __name__ == "__main__":

@@ -1,40 +1,34 @@
 """Command: compute every claim the program rests on and write docs/verification/report.md."""
 
-import argparse
 import logging
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 
+from pearlite_petsc.command_line import CommandParser, add_output_option, complain
 from pearlite_petsc.errors import SceneError
+from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.output.whole_file import make_folder
 
 _EXAMPLES = """examples:
-  python -m pearlite_petsc.verify
-  python -m pearlite_petsc.verify --quick --output /tmp/verification
-  python -m pearlite_petsc.verify --only fracture --only damage --output /tmp/verification
+  pearlite verify
+  pearlite verify --quick --output /tmp/verification
+  pearlite verify --only fracture --only damage --output /tmp/verification
 """
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status: 0, 1 a claim does not hold, 2 bad input."""
-    parser = argparse.ArgumentParser(
-        prog="python -m pearlite_petsc.verify",
-        description="Compute the claims that the program rests on; exit status 1 if one fails.",
-        epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+    parser = CommandParser(
+        "verify",
+        "Compute the claims that the program rests on; exit status 1 if one fails.",
+        _EXAMPLES,
     )
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--quick", action="store_true", help="coarse meshes, half a minute")
     form.add_argument("--long", action="store_true", help="finest meshes and many, up to an hour")
-    parser.add_argument(
-        "--output",
-        type=Path,
-        default=Path("docs/verification"),
-        metavar="DIR",
-        help="folder of report.md and its figures (default: docs/verification)",
-    )
+    add_output_option(parser, "folder of report.md and its figures", Path("docs/verification"))
     parser.add_argument(
         "--only", action="append", metavar="NAME", help="one section; may be given again"
     )
@@ -59,14 +53,14 @@ def verify(effort: str, folder: Path, only: Sequence[str]) -> int:
 
     unknown = [name for name in only if name not in SECTIONS]
     if unknown:
-        sys.stderr.write(f"--only {unknown[0]} is unknown; known: {', '.join(SECTIONS)}\n")
-        return 2
+        complain(f"--only {unknown[0]} is unknown; known: {', '.join(SECTIONS)}")
+        return ExitStatus.BAD_INPUT
     setting = Setting(Effort[effort], folder)
     try:
         make_folder(folder)
     except SceneError as error:
-        sys.stderr.write(f"{error}\n")
-        return 2
+        complain(str(error))
+        return ExitStatus.BAD_INPUT
     sections: dict[str, Section] = {}
     for name, compute in SECTIONS.items():
         if only and name not in only:
@@ -82,7 +76,7 @@ def verify(effort: str, folder: Path, only: Sequence[str]) -> int:
     left_out = [text for section in sections.values() for text in section.left_out]
     end = "".join(f"left out: {text}\n" for text in left_out)
     sys.stdout.write(f"{len(claims)} claims, {failed} do not hold: {folder / 'report.md'}\n{end}")
-    return 1 if failed else 0
+    return ExitStatus.BROKEN if failed else ExitStatus.DONE
 
 
 if __name__ == "__main__":

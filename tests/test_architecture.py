@@ -1,7 +1,7 @@
 """The layers of the package, read from its imports: nothing points back, each library in its place.
 
 Layers from bottom to top: types; scene files and microstructure; elements; mechanics; fatigue;
-solver; the growth of one crack; output; the ensemble; studies (verification, benchmarks); commands.
+solver; the growth of one crack; output; the ensemble; studies (verification, benchmarks); what commands share; commands.
 """
 
 import ast
@@ -11,11 +11,13 @@ from pathlib import Path
 
 import pytest
 
+from pearlite_petsc.__main__ import COMMANDS as COMMANDS_LISTED
+
 PACKAGE = "pearlite_petsc"
 ROOT = Path(__file__).parents[1]
 FILES = sorted((ROOT / PACKAGE).rglob("*.py"))
 ORDER = (
-    {"arrays", "errors", "scene"},
+    {"arrays", "errors", "exit_status", "scene", "world"},
     {"config", "microstructure"},
     {"tessellation"},
     {"mechanics"},
@@ -25,9 +27,10 @@ ORDER = (
     {"output"},
     {"ensemble"},
     {"studies"},
+    {"command_line"},
 )
 LAYER = {name: layer for layer, names in enumerate(ORDER) for name in names}
-COMMANDS = {"run", "mesh", "verify", "bench", "calibrate", "report"}
+COMMANDS = {name.replace("-", "_") for name in COMMANDS_LISTED} | {"__main__"}
 STUDY_COMMANDS = {"verify", "bench"}
 PARALLEL = {"mpi4py", "petsc4py"}
 FORBIDDEN = {
@@ -159,9 +162,11 @@ def test_physics_knows_no_file_and_no_rank_and_output_no_rank(file: Path) -> Non
 
 
 @every_file
-def test_only_commands_name_the_world_communicator(file: Path) -> None:
-    if part(module_name(file)) not in COMMANDS:
-        assert "COMM_WORLD" not in names_used(file)
+def test_the_world_communicator_is_named_once_and_only_commands_begin_there(file: Path) -> None:
+    own = part(module_name(file))
+    assert ("COMM_WORLD" in names_used(file)) == (own == "world")
+    if own not in COMMANDS:
+        assert f"{PACKAGE}.world" not in imports(file)
 
 
 @every_file

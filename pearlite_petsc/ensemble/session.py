@@ -23,6 +23,7 @@ from pearlite_petsc.ensemble.say import say
 from pearlite_petsc.ensemble.status import Status
 from pearlite_petsc.ensemble.stop import NOT_WRITABLE, StopRequest, describe
 from pearlite_petsc.errors import SceneError
+from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.output.provenance import provenance
 from pearlite_petsc.scene import Scene
 from pearlite_petsc.solver.start import petsc_facts
@@ -30,9 +31,6 @@ from pearlite_petsc.solver.start import petsc_facts
 _log = logging.getLogger(__name__)
 
 T = TypeVar("T")
-
-DONE, BROKEN, SOME_FAILED, INTERRUPTED = 0, 1, 3, 130
-"""Exit status."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,10 +135,10 @@ class Session:
             summary = f"stopped ({describe(stop)}): {summary}; --resume goes on"
         self._say(f"{summary}; {clock(monotonic() - self._started)}; {shown}")
         if not written or not drawn or stop == NOT_WRITABLE:
-            return BROKEN
+            return ExitStatus.BROKEN
         if stop:
-            return INTERRUPTED
-        return SOME_FAILED if failed else DONE
+            return ExitStatus.INTERRUPTED
+        return ExitStatus.SOME_FAILED if failed else ExitStatus.DONE
 
     def _announce(self, found: Found, resumed: bool) -> None:
         status = np.array(found.status)

@@ -22,6 +22,7 @@ from time import perf_counter
 
 import pearlite_petsc
 from pearlite_petsc.config import load_scene, scene_to_toml
+from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.scene import Scene
 from pearlite_petsc.studies.benchmarks.cracks import (
     Comparison,
@@ -33,9 +34,6 @@ from pearlite_petsc.studies.benchmarks.cracks import (
     grow,
 )
 from pearlite_petsc.studies.benchmarks.table import say, write_rows
-
-DONE, SOME_FAILED = 0, 3
-"""Exit status of the run."""
 
 BASELINE = (
     "elements.refinement=uniform",
@@ -76,7 +74,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--tasks", type=int, default=5, metavar="N", help="sample for the baseline (default: 5)"
     )
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
-    parser.add_argument("--output", type=Path, default=Path("docs/benchmarks"), metavar="DIR")
 
 
 def main(args: argparse.Namespace) -> int:
@@ -157,7 +154,7 @@ def timed_run(path: Path, overrides: list[str], ranks: int) -> Run:
         started, before = perf_counter(), _children()
         done = subprocess.run(command, env=environment(), capture_output=True, text=True)
         seconds, busy = perf_counter() - started, _children() - before
-        if done.returncode not in (DONE, SOME_FAILED):
+        if done.returncode not in (ExitStatus.DONE, ExitStatus.SOME_FAILED):
             raise RuntimeError(f"status {done.returncode} of the run: {done.stderr[-2000:]}")
         with (output / "fcg.csv").open(newline="", encoding="utf-8") as file:
             tasks = list(csv.DictReader(file))

@@ -28,7 +28,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``bench jumps``."""
     parser.add_argument("--quick", action="store_true", help="two small cracks, few steps")
     parser.add_argument("--meshes", type=int, default=1, metavar="N", help="a state (default: 1)")
-    parser.add_argument("--output", type=Path, default=Path("docs/benchmarks"), metavar="DIR")
 
 
 def main(args: argparse.Namespace) -> int:

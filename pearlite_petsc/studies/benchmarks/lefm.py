@@ -26,7 +26,6 @@ Order = Literal[1, 2]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``bench lefm``."""
     parser.add_argument("--quick", action="store_true", help="two coarse widths")
-    parser.add_argument("--output", type=Path, default=Path("docs/benchmarks"), metavar="DIR")
 
 
 def main(args: argparse.Namespace) -> int:

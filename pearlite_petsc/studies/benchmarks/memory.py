@@ -26,7 +26,6 @@ that the largest of many needs more than the largest of few.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``bench memory``."""
     parser.add_argument("--quick", action="store_true", help="two and ten meshes")
-    parser.add_argument("--output", type=Path, default=Path("docs/benchmarks"), metavar="DIR")
 
 
 def main(args: argparse.Namespace) -> int:

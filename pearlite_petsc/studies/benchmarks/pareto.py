@@ -128,7 +128,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``bench pareto``."""
     parser.add_argument("--quick", action="store_true", help="two small cracks, few settings")
     parser.add_argument("--meshes", type=int, default=2, metavar="N", help="a state (default: 2)")
-    parser.add_argument("--output", type=Path, default=Path("docs/benchmarks"), metavar="DIR")
 
 
 def main(args: argparse.Namespace) -> int:

@@ -49,7 +49,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--unknowns", type=float, action="append", metavar="N", help="a size; may be given again"
     )
     parser.add_argument("--method", action="append", choices=METHODS, help="likewise")
-    parser.add_argument("--output", type=Path, default=Path("docs/benchmarks"), metavar="DIR")
 
 
 def main(args: argparse.Namespace) -> int:

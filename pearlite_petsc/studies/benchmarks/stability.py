@@ -32,7 +32,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     names = [study.__name__ for study in STUDIES]
     parser.add_argument("--only", action="append", choices=names, help="may be given again")
-    parser.add_argument("--output", type=Path, default=Path("docs/benchmarks"), metavar="DIR")
 
 
 def main(args: argparse.Namespace) -> int:
