@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from pearlite_petsc.__main__ import COMMANDS as COMMANDS_LISTED
+from pearlite_petsc.bench import SUBCOMMANDS
 
 PACKAGE = "pearlite_petsc"
 ROOT = Path(__file__).parents[1]
@@ -185,7 +186,9 @@ def test_a_file_has_one_role_and_at_most_400_lines(file: Path) -> None:
     assert file.stem not in {"utils", "util", "helpers", "misc", "common"}
 
 
-@pytest.mark.parametrize("command", sorted(COMMANDS))
+@pytest.mark.parametrize(
+    "command", [*sorted(COMMANDS), *(f"studies.benchmarks.{name}" for name in SUBCOMMANDS)]
+)
 def test_starting_a_command_loads_neither_mpi_nor_petsc(command: str) -> None:
     modules = {module_name(file): file for file in FILES}
     start = f"{PACKAGE}.{command}"

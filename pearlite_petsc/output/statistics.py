@@ -33,7 +33,7 @@ class RateCurve:
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A mean with its 95 % confidence interval over meshes.
+    """A mean with its confidence interval over meshes, of 95 % unless another level was asked for.
 
     Attributes:
         value: The mean (NaN without data).
@@ -43,6 +43,11 @@ class Estimate:
     value: float
     low: float
     high: float
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the interval."""
+        return 0.5 * (self.high - self.low)
 
 
 def counts(outcome: Outcome, bounds: bool = False) -> bool:
@@ -138,14 +143,15 @@ def mean_difference(first: Sequence[float], second: Sequence[float]) -> Estimate
     return _difference(np.array(first, dtype=float), np.array(second, dtype=float))
 
 
-def mean_with_interval(values: Sequence[float]) -> Estimate:
-    """Return the mean with Student's interval."""
+def mean_with_interval(values: Sequence[float], level: float = 0.95) -> Estimate:
+    """Return the mean with Student's interval of a level of confidence."""
     data = np.array(values, dtype=float)
     if not len(data):
         return Estimate(np.nan, np.nan, np.nan)
     if len(data) < 2:
         return Estimate(float(data[0]), np.nan, np.nan)
-    half = float(student.ppf(0.975, len(data) - 1) * data.std(ddof=1) / np.sqrt(len(data)))
+    quantile = student.ppf(0.5 + 0.5 * level, len(data) - 1)
+    half = float(quantile * data.std(ddof=1) / np.sqrt(len(data)))
     return Estimate(float(data.mean()), float(data.mean()) - half, float(data.mean()) + half)
 
 

@@ -102,6 +102,7 @@ def test_one_mesh_a_side_has_a_value_but_no_interval() -> None:
     assert estimate.value == 1.75
     assert math.isnan(estimate.low)
     assert math.isnan(mean_with_interval([2.0]).high)
+    assert mean_with_interval([1.0, 3.0], 0.5).half_width == pytest.approx(1.0)  # t = 1
     assert math.isnan(mean_with_interval([]).value)
 
 

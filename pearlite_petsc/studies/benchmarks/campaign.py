@@ -33,7 +33,7 @@ from pearlite_petsc.studies.benchmarks.cracks import (
     compare,
     grow,
 )
-from pearlite_petsc.studies.benchmarks.table import say, write_rows
+from pearlite_petsc.studies.table import say, write_rows
 
 BASELINE = (
     "elements.refinement=uniform",

@@ -8,7 +8,7 @@ import numpy as np
 
 from pearlite_petsc.studies.benchmarks.cracks import compare, grow
 from pearlite_petsc.studies.benchmarks.pareto import plan_of
-from pearlite_petsc.studies.benchmarks.table import say, write_rows
+from pearlite_petsc.studies.table import say, write_rows
 
 REFERENCE = ("cycle_jump.method=compliance", "cycle_jump.delta_d=0.02")
 DEFAULT = ("compliance", 1.0)

@@ -1,7 +1,6 @@
 """K of an edge crack against time: rigid elements with each spring law, and finite elements."""
 
 import argparse
-import itertools
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
@@ -13,14 +12,12 @@ import numpy as np
 
 from pearlite_petsc.mechanics.lefm import edge_crack_factor
 from pearlite_petsc.scene import Springs
-from pearlite_petsc.studies.benchmarks.table import say, write_rows
+from pearlite_petsc.studies.table import say, write_rows
 
 WIDTHS = (8.0, 4.0, 2.0, 1.0)
 LAWS: tuple[Springs, ...] = ("homogeneous", "matched", "raje")
 MESHES = 4
 """Own meshes a width: their errors differ, and one may be right by chance."""
-
-Order = Literal[1, 2]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -75,7 +72,8 @@ def methods(width: float) -> Iterator[tuple[str, Callable[[], tuple[int, list[fl
 
 def square_cells(width: float) -> tuple[int, list[float]]:
     """Return unknowns and K over Kaya and Erdogan's on a grid of square cells."""
-    from pearlite_petsc.studies.verification.cracked_bodies import EDGE, grid_ratios
+    # Here and below, so that --help starts neither MPI nor PETSc.
+    from pearlite_petsc.studies.cracked_bodies import EDGE, grid_ratios
 
     unknowns, ratios = grid_ratios(EDGE[1:2], width)
     return unknowns, [EDGE[1].over_reference(ratios[0])]
@@ -83,8 +81,8 @@ def square_cells(width: float) -> tuple[int, list[float]]:
 
 def own_mesh(width: float, springs: Springs) -> tuple[int, list[float]]:
     """Return unknowns and K over the accurate one on some of the program's own graded meshes."""
-    from pearlite_petsc.studies.verification.cracked_bodies import EDGE
-    from pearlite_petsc.studies.verification.own_meshes import release_ratio, strip_mesh
+    from pearlite_petsc.studies.cracked_bodies import EDGE
+    from pearlite_petsc.studies.own_meshes import release_ratio, strip_mesh
 
     meshes = [strip_mesh(width, index) for index in range(MESHES)]
     tada = edge_crack_factor(EDGE[1].ratio)
@@ -93,63 +91,17 @@ def own_mesh(width: float, springs: Springs) -> tuple[int, list[float]]:
     return unknowns, [release_ratio(mesh, springs) * correction for mesh in meshes]
 
 
-def finite_elements(width: float, order: Order) -> tuple[int, list[float]]:
-    """Return unknowns of half the body and K over the accurate one on triangles.
+def finite_elements(width: float, order: Literal[1, 2]) -> tuple[int, list[float]]:
+    """Return unknowns and K over the accurate one on triangles.
 
     Raises:
         ImportError: scikit-fem is not installed.
     """
-    from skfem import MeshTri
+    from pearlite_petsc.studies.cracked_bodies import EDGE
+    from pearlite_petsc.studies.finite_elements import finite_element_ratio
 
-    from pearlite_petsc.studies.verification.cracked_bodies import BASE, EDGE, layers
-
-    body = EDGE[1]
-    keys = (0.0, body.before, body.after, body.width)
-    runs = [
-        np.linspace(start, end, max(1, round((end - start) / width)) + 1)[:-1]
-        for start, end in itertools.pairwise(keys)
-    ]
-    mesh = MeshTri.init_tensor(
-        np.concatenate([*runs, [body.width]]), layers(round(13 * BASE / width))
-    )
-    unknowns, energies = _energies(mesh, order, (body.before, body.after))
-    release = energies[1] - energies[0]
-    return unknowns, [body.over_reference(float(np.sqrt(release / body.handbook_release())))]
-
-
-def _energies(mesh: Any, order: Order, cracks: tuple[float, ...]) -> tuple[int, list[float]]:
-    """Return the energy of the whole body under unit stress for each crack length [uN um].
-
-    The upper half is solved; the ligament at y = 0 is held along y.
-    """
-    from scipy.sparse.linalg import splu
-    from skfem import Basis, ElementTriP1, ElementTriP2, ElementVector, FacetBasis, LinearForm, asm
-    from skfem.models.elasticity import linear_elasticity
-
-    from pearlite_petsc.studies.cases import STEEL
-
-    modulus, nu = STEEL.youngs_modulus, STEEL.poisson_ratio
-    element = ElementVector(ElementTriP1() if order == 1 else ElementTriP2())
-    basis = Basis(mesh, element)
-    plane_stress = modulus * nu / (1.0 - nu**2), modulus / (2.0 * (1.0 + nu))
-    matrix = asm(linear_elasticity(*plane_stress), basis).tocsc()
-    top = mesh.facets_satisfying(lambda p: p[1] == mesh.p[1].max())
-    load = asm(LinearForm(lambda v, w: v[1]), FacetBasis(mesh, element, facets=top))
-    corner = np.argmax(mesh.p[0] - mesh.p[1])
-    energies = []
-    for length in cracks:
-        # A facet's midpoint lies off its ends: only facets ahead of the tip are found.
-        ahead = mesh.facets_satisfying(
-            lambda p, length=length: (p[1] == 0.0) & (p[0] > length), boundaries_only=True
-        )
-        vertical = basis.get_dofs(ahead).all(["u^2"])
-        held = np.append(vertical, basis.nodal_dofs[0, corner])
-        free = np.setdiff1d(np.arange(len(load)), held)
-        factor = splu(
-            matrix[free][:, free], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
-        )
-        energies.append(float(load[free] @ factor.solve(load[free])))
-    return len(load), energies
+    unknowns, ratio = finite_element_ratio(EDGE[1], width, order)
+    return unknowns, [EDGE[1].over_reference(ratio)]
 
 
 def draw(path: Path, rows: list[dict[str, Any]]) -> None:

@@ -20,7 +20,7 @@ from pearlite_petsc.studies.benchmarks.cracks import (
     grow,
 )
 from pearlite_petsc.studies.benchmarks.pareto import QUICK_WINDOW, REFERENCE, STATES, WINDOW
-from pearlite_petsc.studies.benchmarks.table import say, shown, write_rows
+from pearlite_petsc.studies.table import say, shown, write_rows
 
 DELTA_K = 12.0
 Row = dict[str, str | int | float | bool]

@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 from pearlite_petsc.studies.benchmarks.campaign import NO_PICTURES, Run, timed_run
-from pearlite_petsc.studies.benchmarks.table import say, write_rows
+from pearlite_petsc.studies.table import say, write_rows
 
 SCENE = """
 [states.severe_AT]

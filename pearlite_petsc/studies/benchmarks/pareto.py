@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from pearlite_petsc.studies.benchmarks.cracks import Comparison, Cracks, Plan, compare, grow
-from pearlite_petsc.studies.benchmarks.table import say, write_rows
+from pearlite_petsc.studies.table import say, write_rows
 
 STATES = ("undeformed", "moderate_AT", "severe_AT", "moderate_TA", "severe_TA")
 WINDOW = (

@@ -12,7 +12,7 @@ from time import perf_counter
 from typing import Any
 
 from pearlite_petsc.errors import PearliteError
-from pearlite_petsc.studies.benchmarks.table import say, write_rows
+from pearlite_petsc.studies.table import say, write_rows
 
 SOLVER_CASE = "solver_case"
 """Name by which the command measures one method on the ranks it is started with."""

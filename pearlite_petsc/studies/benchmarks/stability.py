@@ -7,8 +7,9 @@ from pathlib import Path
 from time import perf_counter
 
 from pearlite_petsc.studies.benchmarks.cracks import Plan
+from pearlite_petsc.studies.benchmarks.pareto import QUICK_WINDOW
 from pearlite_petsc.studies.benchmarks.stability_studies import STUDIES, Effort, Point
-from pearlite_petsc.studies.benchmarks.table import say, write_rows
+from pearlite_petsc.studies.table import say, write_rows
 
 WINDOW = (
     "window.width_um=110",
@@ -16,13 +17,7 @@ WINDOW = (
     "window.notch_um=50",
     "loading.extension_um=20",
 )
-QUICK_WINDOW = (
-    "window.width_um=80",
-    "window.height_um=80",
-    "window.notch_um=40",
-    "loading.extension_um=8",
-    "elements.width_um=3",
-)
+SHORT_WINDOW = (*QUICK_WINDOW, "loading.extension_um=8")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the studies, write ``stability.csv`` and the figure."""
     if args.quick:
-        effort = Effort(Plan(("moderate_AT",), (0,), (12.0,), QUICK_WINDOW), True)
+        effort = Effort(Plan(("moderate_AT",), (0,), (12.0,), SHORT_WINDOW), True)
     else:
         states = ("undeformed", "severe_AT", "moderate_TA")
         effort = Effort(Plan(states, (0,), (12.0,), WINDOW), False)

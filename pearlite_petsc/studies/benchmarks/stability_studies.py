@@ -230,7 +230,7 @@ def _release(share: float) -> float:
     from pearlite_petsc.mechanics.statics import solve
     from pearlite_petsc.studies.bodies import on_line
     from pearlite_petsc.studies.cases import STEEL
-    from pearlite_petsc.studies.verification.cracked_bodies import EDGE, HALF_HEIGHT, grid_mesh
+    from pearlite_petsc.studies.cracked_bodies import EDGE, HALF_HEIGHT, grid_mesh
 
     body = EDGE[1]
     mesh = grid_mesh(body.width, 4.0)

@@ -13,20 +13,20 @@ from pearlite_petsc.output.figures.style import drawing
 from pearlite_petsc.scene import Springs
 from pearlite_petsc.studies.bodies import plain_mesh, tensor_points
 from pearlite_petsc.studies.cases import STATES, scene_of
-from pearlite_petsc.studies.verification.claim import Section, Setting, fitted_order
-from pearlite_petsc.studies.verification.cracked_bodies import (
+from pearlite_petsc.studies.cracked_bodies import (
     CENTRE,
     EDGE,
     CrackedBody,
     grid_ratios,
 )
-from pearlite_petsc.studies.verification.finite_elements import finite_element_ratio
-from pearlite_petsc.studies.verification.own_meshes import (
+from pearlite_petsc.studies.finite_elements import EQUAL_UNKNOWNS, finite_element_ratio
+from pearlite_petsc.studies.own_meshes import (
     line_tractions,
     release_ratio,
     strip_mesh,
     tip_tractions,
 )
+from pearlite_petsc.studies.verification.claim import Section, Setting, fitted_order
 from pearlite_petsc.tessellation.build import build_mesh
 
 TADA = "Tada, Paris, Irwin, Handbook (0.5 %)"
@@ -80,7 +80,7 @@ def _series(bodies: tuple[CrackedBody, ...], elements: tuple[float, ...]) -> lis
         ratios = [body.over_reference(ratios[place]) for _, ratios in solved]
         finite: list[tuple[int, float]] = []
         with contextlib.suppress(ImportError):
-            finite = [finite_element_ratio(body, element) for element in elements]
+            finite = [finite_element_ratio(body, element / EQUAL_UNKNOWNS) for element in elements]
         result.append(
             Series(
                 body,

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import t as student
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.output.figures.style import drawing, legend_below, state_styles
+from pearlite_petsc.output.statistics import mean_with_interval
 from pearlite_petsc.studies.cases import STATES
 from pearlite_petsc.studies.verification.claim import Effort, Section, Setting
 from pearlite_petsc.studies.verification.objectivity_tasks import (
@@ -81,13 +81,6 @@ def log_rates(rates: Sequence[Rate], state: str, law: Variant, width: float) -> 
     }
 
 
-def interval(values: Sequence[float], level: float = 0.95) -> tuple[float, float]:
-    """Return mean and half width of its confidence interval."""
-    data = np.array(values)
-    half = student.ppf(0.5 + 0.5 * level, len(data) - 1) * data.std(ddof=1) / np.sqrt(len(data))
-    return float(data.mean()), float(half)
-
-
 def exponents(rates: Sequence[Rate], state: str, law: Variant) -> dict[int, float]:
     """Return p of da/dN ~ width^p by mesh, of those that grew at all three widths."""
     logs = [log_rates(rates, state, law, width) for width in WIDTHS]
@@ -109,9 +102,8 @@ def _means(section: Section, rates: Sequence[Rate]) -> None:
                 if len(found) < 2:
                     row.append("-")
                     continue
-                mean, half = interval(found)
-                low, high = np.exp(mean - half), np.exp(mean + half)
-                row.append(f"{np.exp(mean):.3g} ({low:.3g} to {high:.3g})")
+                mean, low, high = _geometric(found)
+                row.append(f"{mean:.3g} ({low:.3g} to {high:.3g})")
             rows.append(row)
     section.table(["law", "state", *(f"{width:g} um" for width in widths)], rows)
 
@@ -130,23 +122,23 @@ def _exponents(section: Section, rates: Sequence[Rate]) -> None:
         for law, what in _CLAIMED.items():
             claimed[law] += values[law]
             # Of five intervals at 99 % all hold the truth in 95 of 100 cases.
-            mean, half = interval(values[law], 0.99)
+            power = mean_with_interval(values[law], 0.99)
             section.true(
                 f"{state}: {what}, 99 % interval holds the law's",
                 "Eq. (28)-(31)" if law == "printed" else "objective law",
                 f"{EXPONENTS[law]:g}",
-                f"{mean:.2f} +- {half:.2f} ({len(values[law])} meshes)",
-                abs(mean - EXPONENTS[law]) <= half,
+                f"{power.value:.2f} +- {power.half_width:.2f} ({len(values[law])} meshes)",
+                power.low <= EXPONENTS[law] <= power.high,
             )
-        intervals = [interval(list(found[law].values())) for law in VARIANTS]
-        rows.append([state, *(f"{mean:.2f} +- {half:.2f}" for mean, half in intervals)])
+        intervals = [mean_with_interval(list(found[law].values())) for law in VARIANTS]
+        rows.append([state, *(f"{p.value:.2f} +- {p.half_width:.2f}" for p in intervals)])
     for law, what in _CLAIMED.items():
-        mean, half = interval(claimed[law])
+        pooled = mean_with_interval(claimed[law])
         section.close(
-            f"All states: {what} (interval +-{half:.2f})",
+            f"All states: {what} (interval +-{pooled.half_width:.2f})",
             "Eq. (28)-(31)" if law == "printed" else "objective law",
             EXPONENTS[law],
-            mean,
+            pooled.value,
             0.15,
         )
     section.text.append(
@@ -165,11 +157,10 @@ def _ratios(section: Section, rates: Sequence[Rate]) -> None:
         for width in WIDTHS[1:]:
             other = log_rates(rates, state, "objective", width)
             found = [other[mesh] - base[mesh] for mesh in sorted(set(base) & set(other))]
-            mean, half = interval(found)
-            low, high = np.exp(mean - half), np.exp(mean + half)
+            mean, low, high = _geometric(found)
             inside = low >= 0.9 and high <= 1.1
             verdict = "yes" if inside else "no" if low > 1.1 or high < 0.9 else "not decided"
-            row = [state, f"{width:g}", f"{np.exp(mean):.2f} ({low:.2f} to {high:.2f})", verdict]
+            row = [state, f"{width:g}", f"{mean:.2f} ({low:.2f} to {high:.2f})", verdict]
             rows.append([*row, f"{len(found)}"])
     section.text.append(
         "Law `objective`: da/dN at 3 and 4 um over that at 2 um on the same microstructures. Where "
@@ -177,6 +168,13 @@ def _ratios(section: Section, rates: Sequence[Rate]) -> None:
         "within +-10 %: a single crack changes its way with the element size."
     )
     section.table(["state", "width um", "over 2 um", "within +-10 %", "meshes"], rows)
+
+
+def _geometric(logs: Sequence[float]) -> tuple[float, float, float]:
+    """Return the geometric mean and the ends of its 95 % interval from logarithms."""
+    found = mean_with_interval(logs)
+    mean, low, high = np.exp([found.value, found.low, found.high]).tolist()
+    return mean, low, high
 
 
 def _most_meshes(rates: Sequence[Rate]) -> int:
@@ -193,8 +191,7 @@ def _draw(path: Path, rates: Sequence[Rate]) -> None:
                 for width in widths:
                     found = list(log_rates(rates, name, law, width).values())
                     if len(found) > 1:
-                        mean, half = interval(found)
-                        points.append(np.array([width, *np.exp([mean, mean - half, mean + half])]))
+                        points.append(np.array([width, *_geometric(found)]))
                 x, y, low, high = np.array(points).T
                 axes.errorbar(
                     x,

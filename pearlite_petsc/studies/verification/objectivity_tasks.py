@@ -4,15 +4,15 @@ import csv
 import os
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Literal
 
 from pearlite_petsc.errors import MeshError, SolverError
-from pearlite_petsc.output.whole_file import whole_file
 from pearlite_petsc.scene import Damage, Solver, State
 from pearlite_petsc.studies.cases import STATES, scene_of
+from pearlite_petsc.studies.table import write_rows
 
 WIDTHS = (2.0, 3.0, 4.0)
 FEW_WIDTHS = (1.5, 6.0)
@@ -131,11 +131,7 @@ def compute_rates(
 
 def write_rates(path: Path, rates: Iterable[Rate]) -> None:
     """Write the rates as CSV."""
-    with whole_file(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, [field.name for field in fields(Rate)], lineterminator="\n")
-        writer.writeheader()
-        for rate in rates:
-            writer.writerow({**asdict(rate), "da_dn": f"{rate.da_dn:.6g}"})
+    write_rows(path, [asdict(rate) for rate in rates])
 
 
 def read_rates(path: Path) -> list[Rate]:

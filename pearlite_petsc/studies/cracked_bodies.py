@@ -23,7 +23,7 @@ BASE = 8.0
 """Element width of the coarsest grid at the crack's line [um]; finer grids halve every cell."""
 
 _LAYERS = np.array([8.0] * 6 + [12.0, 16.0, 24.0, 32.0, 40.0, 56.0, 72.0])
-HALF_HEIGHT = float(_LAYERS.sum())
+LAYERS, HALF_HEIGHT = len(_LAYERS), float(_LAYERS.sum())
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ CENTRE = (
 def layers(pieces: int) -> FloatArray:
     """Return y of the grid's lines above the crack, that many pieces an element of the base [um]."""
     lines = np.concatenate([[0.0], np.cumsum(_LAYERS)])
-    return np.interp(np.linspace(0.0, len(_LAYERS), pieces + 1), np.arange(len(lines)), lines)
+    return np.interp(np.linspace(0.0, LAYERS, pieces + 1), np.arange(len(lines)), lines)
 
 
 def grid_mesh(width: float, element: float) -> Mesh:
@@ -99,7 +99,7 @@ def grid_mesh(width: float, element: float) -> Mesh:
         width: Of the strip [um].
         element: Width of the cells [um]; ``BASE`` over a whole number.
     """
-    upper = layers(round(len(_LAYERS) * BASE / element))
+    upper = layers(round(LAYERS * BASE / element))
     y = HALF_HEIGHT + np.concatenate([-upper[:0:-1], upper])
     x = np.linspace(0.0, width, round(width / element) + 1)
     return plain_mesh(tensor_points(x, y), width, 2.0 * HALF_HEIGHT)

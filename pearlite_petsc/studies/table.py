@@ -1,4 +1,4 @@
-"""Tables of benchmarks: CSV files and aligned text."""
+"""Tables of studies: CSV files and aligned text."""
 
 import csv
 import sys
