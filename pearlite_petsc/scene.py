@@ -15,7 +15,7 @@ DrivingStress = Literal["effective", "nominal"]
 Threshold = Literal["tip", "remote"]
 LoadKind = Literal["k_field", "edge_crack"]
 LoadControl = Literal["K", "stress"]
-CycleJumpMethod = Literal["compliance", "exponential", "euler", "heun", "adaptive"]
+CycleJumpName = Literal["compliance", "exponential", "euler", "heun", "adaptive"]
 Shear = Literal["remesh", "affine"]
 
 
@@ -116,7 +116,7 @@ class Loading:
 class CycleJump:
     """Jump in cycles: method, largest damage increment a block, tolerance of "adaptive"."""
 
-    method: CycleJumpMethod
+    method: CycleJumpName
     delta_d: float
     tolerance: float
 

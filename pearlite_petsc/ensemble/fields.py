@@ -7,8 +7,7 @@ from time import perf_counter
 from pearlite_petsc.ensemble.group import Group
 from pearlite_petsc.ensemble.store import Store
 from pearlite_petsc.ensemble.tasks import Task
-from pearlite_petsc.fatigue.outcome import GrowthState
-from pearlite_petsc.growth.loop import Step
+from pearlite_petsc.fatigue.outcome import GrowthState, Step
 from pearlite_petsc.output.tables import middle_delta_k
 from pearlite_petsc.output.xdmf import FieldMarks, FieldSeries
 from pearlite_petsc.scene import Scene

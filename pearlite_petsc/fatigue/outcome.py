@@ -38,6 +38,23 @@ class Crack:
     broken: int
 
 
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Where a crack stands after a block.
+
+    Attributes:
+        cycles: N [cycles].
+        crack_length: Furthest x [um].
+        solves: Linear solves so far.
+        stop: Why the task ended, None while it goes on.
+    """
+
+    cycles: float
+    crack_length: float
+    solves: int
+    stop: StopReason | None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class GrowthState:
     """A crack at one moment: after a solve, before the block of cycles that follows from it.

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from pearlite_petsc.arrays import FloatArray
-from pearlite_petsc.fatigue.cycle_jump import released
 from pearlite_petsc.fatigue.damage import DamageLaw, damage_rate
+from pearlite_petsc.fatigue.release import released
 
 SOFTENING = 0.02
 """Share of its force from which an interface that lets go moves the load."""

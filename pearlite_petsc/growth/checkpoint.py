@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-FORM = 4
+FORM = 5
 """Number of what a checkpoint holds and means; to be raised with every change of it."""
 
 _SMALL = ("history", "zone_boxes", "zone_discs", "reuse", "coupling_taken", "coupling_tip")

@@ -7,8 +7,8 @@ import numpy as np
 
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.crack import CrackTracker, Point
-from pearlite_petsc.fatigue.cycle_jump import Drive
 from pearlite_petsc.fatigue.damage import DamageLaw
+from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.softening import Softening, load_centre
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.solver.compliance import Compliance
@@ -49,8 +49,8 @@ class Coupling:
         self._pull: FloatArray | None = None
         self._pull_tip = tracker.tip
 
-    def front(self, gain: FloatArray) -> IntArray:
-        """Return the global numbers of the interfaces that will soften, ascending. Collective.
+    def softening_interfaces(self, gain: FloatArray) -> IntArray:
+        """Return the global numbers of the interfaces that will soften, ascending; (a,). Collective.
 
         Args:
             gain: Damage that each interface of this rank will gain in the block; (k,).
@@ -62,7 +62,7 @@ class Coupling:
         most = found[np.lexsort(found.T[::-1])[:MOST_COUPLED], 1]
         return np.sort(most.astype(np.int64))
 
-    def of_front(self, numbers: IntArray, values: FloatArray) -> FloatArray:
+    def values_of(self, numbers: IntArray, values: FloatArray) -> FloatArray:
         """Return values of some interfaces on all ranks, each from its owner. Collective.
 
         Args:
@@ -71,17 +71,17 @@ class Coupling:
         """
         return from_owners(self._domain.comm, self._domain.part, numbers, values)
 
-    def with_front(self, numbers: IntArray, values: FloatArray, front: FloatArray) -> FloatArray:
+    def with_values(self, numbers: IntArray, values: FloatArray, new: FloatArray) -> FloatArray:
         """Return values of this rank's interfaces with some of them replaced; (k, ...).
 
         Args:
             numbers: Global numbers of those; (a,).
             values: Of this rank's interfaces; (k, ...).
-            front: New values; (a, ...).
+            new: Of those; (a, ...).
         """
         row, place = places_here(self._domain.part, numbers)
         result = values.copy()
-        result[place] = front[row]
+        result[place] = new[row]
         return result
 
     def softening(
@@ -89,7 +89,7 @@ class Coupling:
         numbers: IntArray,
         drive: Drive,
         jump: FloatArray,
-        share: FloatArray,
+        stiffness_ratio: FloatArray,
         limit: FloatArray,
     ) -> Softening:
         """Return the interfaces at the start of a block, the same on all ranks.
@@ -98,7 +98,7 @@ class Coupling:
             numbers: Their global numbers, ascending; (a,).
             drive: Of this rank's interfaces; (k,).
             jump: Likewise [um, um, rad]; (k, 3).
-            share: g of each alone; (k,).
+            stiffness_ratio: g of each alone; (k,).
             limit: D at which the block ends; (k,).
         """
         compliance, pull = self._compliance(numbers, drive.damage)
@@ -106,7 +106,7 @@ class Coupling:
         columns = [
             drive.damage,
             limit,
-            share,
+            stiffness_ratio,
             drive.law.factor,
             drive.law.threshold,
             *jump.T,
@@ -118,7 +118,7 @@ class Coupling:
         advance = np.zeros((len(drive.damage), 2))
         for number in place:
             advance[number] = self._advance(number)
-        table = self.of_front(numbers, np.column_stack([*columns, advance]))
+        table = self.values_of(numbers, np.column_stack([*columns, advance]))
         damage, limit, share, factor, threshold = table[:, :5].T
         return Softening(
             damage=damage,

@@ -1,6 +1,6 @@
 """The fine zone follows the crack: where it must be fine next, and what is carried over."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from mpi4py import MPI
@@ -106,6 +106,18 @@ def carry_over(old: Mesh, new: Mesh, values: FloatArray, default: FloatArray) ->
     return np.where(key_old[place] == key_new, values[place], default)
 
 
+def carry_damage_over(
+    old: Mesh, new: Mesh, values: Mapping[str, FloatArray]
+) -> dict[str, FloatArray]:
+    """Return ``damage`` and ``failure_cycles`` of the old mesh's interfaces on the new one's.
+
+    New interfaces are intact, the notch's aside.
+    """
+    notch = new.kind == Kind.NOTCH
+    default = {"damage": notch.astype(float), "failure_cycles": np.where(notch, 0.0, np.nan)}
+    return {name: carry_over(old, new, values[name], default[name]) for name in default}
+
+
 def interface_keys(mesh: Mesh) -> IntArray:
     """Return one number per interface that names its two nuclei; (k,)."""
     nuclei = np.sort(mesh.nucleus[mesh.interface_elements], axis=1)
@@ -116,3 +128,9 @@ def interface_pairs(mesh: Mesh, chosen: BoolArray) -> IntArray:
     """Return the nuclei on both sides of some interfaces, smaller first, sorted; (c, 2)."""
     nuclei = np.sort(mesh.nucleus[mesh.interface_elements[chosen]], axis=1)
     return np.asarray(nuclei[np.lexsort(nuclei.T[::-1])])
+
+
+def notch_tip(mesh: Mesh) -> tuple[tuple[float, float], int]:
+    """Return the tip of the notch [um] and its junction."""
+    gap = np.hypot(*(mesh.vertices - mesh.notch).T)
+    return mesh.notch, int(mesh.junction[int(np.argmin(gap))])

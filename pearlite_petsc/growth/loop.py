@@ -2,9 +2,8 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
 from typing import Any, TypeVar
@@ -16,16 +15,24 @@ from numpy.typing import NDArray
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.errors import SolverError
 from pearlite_petsc.fatigue.crack import CrackTracker
+from pearlite_petsc.fatigue.cycle_jumps.by_name import cycle_jump
+from pearlite_petsc.fatigue.cycle_jumps.situation import Block, Trial
 from pearlite_petsc.fatigue.growth_rate import slope
 from pearlite_petsc.fatigue.loose import LooseClusters
-from pearlite_petsc.fatigue.outcome import GrowthState, Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import GrowthState, Outcome, Step, StopReason
 from pearlite_petsc.growth.blocks import Blocks
 from pearlite_petsc.growth.checkpoint import Checkpoint
 from pearlite_petsc.growth.coupling import Coupling
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.growth.first_domain import first_domain
 from pearlite_petsc.growth.first_rank import on_first
-from pearlite_petsc.growth.front import ACTIVE_DAMAGE, Follower, carry_over, interface_pairs
+from pearlite_petsc.growth.front import (
+    ACTIVE_DAMAGE,
+    Follower,
+    carry_damage_over,
+    interface_pairs,
+    notch_tip,
+)
 from pearlite_petsc.growth.prepared import Prepared
 from pearlite_petsc.growth.softening_tip import softening_tip
 from pearlite_petsc.scene import Kind, Scene, State
@@ -34,23 +41,6 @@ from pearlite_petsc.tessellation.mesh import Mesh
 from pearlite_petsc.tessellation.zone import FineZone
 
 T = TypeVar("T")
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """Where a crack stands after a block.
-
-    Attributes:
-        cycles: N [cycles].
-        crack_length: Furthest x [um].
-        solves: Linear solves so far.
-        stop: Why the task ended, None while it goes on.
-    """
-
-    cycles: float
-    crack_length: float
-    solves: int
-    stop: StopReason | None
 
 
 class CrackGrowth:
@@ -80,6 +70,7 @@ class CrackGrowth:
     ) -> None:
         self._started = perf_counter()
         self.comm, self.scene, self.state, self.delta_k = comm, scene, state, delta_k
+        self._cycle_jump = cycle_jump(scene.cycle_jump)
         self._prepared = prepared
         self._borrowed = first
         self._follower = Follower(scene, comm.bcast(None if prepared is None else prepared.zone))
@@ -111,8 +102,8 @@ class CrackGrowth:
                     self._replace_mesh()
                 if not self._blocks.is_solved:
                     self._blocks.see(self._solve(self.domain.damage))
-                goes_on = self._blocks.advance(self._solve, self._cuts_through)
-                stop = self._take_breaks() if goes_on else StopReason.ARRESTED
+                block = self._next_block()
+                stop = StopReason.ARRESTED if block is None else self._end(block)
             yield Step(self.cycles, self._tracker.tip[0], self.solves, stop)
 
     def grown(self) -> Outcome | None:
@@ -265,8 +256,8 @@ class CrackGrowth:
         self.domain = domain
         self._loaded_tip: tuple[float, float] | None = None
         damage = domain.gather(domain.damage)
-        notch_tip = None if domain.mesh is None else _notch_tip(domain.mesh)
-        self._tracker = CrackTracker(*self.comm.bcast(notch_tip))
+        tip = None if domain.mesh is None else notch_tip(domain.mesh)
+        self._tracker = CrackTracker(*self.comm.bcast(tip))
         kind = domain.part.kind
         broken = domain.damage >= 1.0
         for notch in (True, False):
@@ -292,26 +283,48 @@ class CrackGrowth:
         self.solves += 1
         return self.domain.equilibrium.jumps(self._unknowns)
 
-    def _cuts_through(self, broken: IntArray) -> bool:
-        """Return whether breaks on trial bring the crack to the window's edge. Collective.
+    def _next_block(self) -> Block | None:
+        """Run the cycle jump and answer its trials; None where no interface has a rate."""
+        trials = self._cycle_jump(self._blocks.situation())
+        if not isinstance(trials, Generator):
+            return trials
+        try:
+            trial = next(trials)
+            while not self._reaches_edge(trial):
+                trial = trials.send(self._solve(trial.damage))
+        except StopIteration as end:
+            block: Block | None = end.value
+            return block
+        # No equilibrium need exist there, and the crack has ended anyway.
+        return Block(trial.cycles, trial.damage)
+
+    def _reaches_edge(self, trial: Trial) -> bool:
+        """Return whether a trial brings the crack to the window's edge. Collective.
 
         Raises:
-            SolverError: They cut off a cluster that carries boundary load.
+            SolverError: It cuts off a cluster that carries boundary load.
         """
+        broken = self._blocks.broken_by(trial.damage)
         numbers, pairs, junctions, ends = self.domain.share_edges(broken)
         interfaces = zip(pairs.tolist(), junctions.tolist(), ends.tolist(), strict=True)
         reached = self._tracker.reached_after(list(interfaces))
         if self._follower.touches_boundary(reached):
             return True
-        on_first(self.comm, lambda: _there(self._loose).attempt(numbers))
+        try:
+            on_first(self.comm, lambda: _there(self._loose).attempt(numbers))
+        except SolverError:
+            # The message that names the cycle is that of the break.
+            self._blocks.cycles += trial.cycles
+            raise
         return False
 
-    def _take_breaks(self) -> StopReason | None:
-        """Take newly broken interfaces into the crack and say whether it has ended. Collective."""
+    def _end(self, block: Block) -> StopReason | None:
+        """Take what a block broke into the crack and say whether it has ended. Collective."""
+        self._blocks.end(block)
         numbers, pairs, junctions, ends = self.domain.share_edges(self._blocks.fresh)
         reached = self._tracker.add(pairs, junctions, ends)
         if len(numbers):
-            self._blocks.forget_near(ends.mean(axis=1), self._reach)
+            self._blocks.forget_near(ends.mean(axis=1))
             crack_length = self._tracker.tip[0]
             row = (self.cycles, crack_length, self._tracker.path_length, self._tracker.broken)
             self._history.append(row)
@@ -344,11 +357,6 @@ class CrackGrowth:
     def _all_counters(self) -> Counter[str]:
         return self._counters + self._blocks.counters + self.domain.equilibrium.counters
 
-    @property
-    def _reach(self) -> float:
-        """How far a break changes the stresses much [um]."""
-        return 2.0 * max(self.scene.elements.width, self.scene.elements.length)
-
     def _front(self) -> FloatArray:
         """Return what must lie well inside the fine zone on this rank [um]; (p, 2)."""
         domain = self.domain
@@ -364,12 +372,9 @@ class CrackGrowth:
         self._follower.move(front)
         mesh = on_first(self.comm, lambda: self._next_mesh(gathered["damage"]))
         ratio = None if self._prepared is None else self._prepared.ratio
-        carried: dict[str, FloatArray] = {}
+        carried = {}
         if old.mesh is not None and mesh is not None:
-            notch = (mesh.kind == Kind.NOTCH).astype(float)
-            unknown = {"damage": notch, "failure_cycles": np.where(notch, 0.0, np.nan)}
-            for name, values in gathered.items():
-                carried[name] = carry_over(old.mesh, mesh, values, unknown[name])
+            carried = carry_damage_over(old.mesh, mesh, gathered)
         self._counters = self._all_counters()
         self.close()
         damage, failure_cycles = carried.get("damage"), carried.get("failure_cycles")
@@ -392,9 +397,3 @@ class CrackGrowth:
 def _there(value: T | None) -> T:
     assert value is not None
     return value
-
-
-def _notch_tip(mesh: Mesh) -> tuple[tuple[float, float], int]:
-    """Return the tip of the notch and its junction."""
-    gap = np.hypot(*(mesh.vertices - mesh.notch).T)
-    return mesh.notch, int(mesh.junction[int(np.argmin(gap))])

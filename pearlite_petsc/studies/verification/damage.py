@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
-from pearlite_petsc.fatigue.cycle_jump import Block, RateCurve
+from pearlite_petsc.fatigue.extrapolation import Extrapolation, RateModel
 from pearlite_petsc.output.figures.style import drawing
 from pearlite_petsc.scene import Kind
 from pearlite_petsc.studies.cases import DAMAGE
@@ -19,8 +19,8 @@ from pearlite_petsc.studies.verification.series_spring import (
 
 LAW = "Eq. (26)-(32), ODE solver DOP853 at 1e-10"
 STEPS = (0.2, 0.1, 0.05, 0.02)
-METHODS: tuple[RateCurve, ...] = ("euler", "exponential", "compliance")
-ORDERS: dict[RateCurve, float] = {"euler": 1.0, "exponential": 2.0}
+METHODS: tuple[RateModel, ...] = ("euler", "exponential", "compliance")
+ORDERS: dict[RateModel, float] = {"euler": 1.0, "exponential": 2.0}
 CASES = {
     "effective, lamella": SeriesSpring(6e3, 2e3, 0.7),
     "effective, cementite": SeriesSpring(6e3, 7e3, 0.5, Kind.CEMENTITE),
@@ -97,7 +97,7 @@ def closed_form(case: SeriesSpring) -> float:
 
 def _known_share(section: Section) -> None:
     case = CASES["effective, lamella"]
-    block = Block(case.known_share(), 1.0, "compliance")
+    block = Extrapolation(case.known_share(), 1.0, "compliance")
     life = case.exact_life()
     section.below(
         "Compliance curve with g known (table of 33 nodes), one block to failure: error of the life",
@@ -215,7 +215,7 @@ def _nominal(section: Section) -> dict[str, list[float]]:
     return lives
 
 
-def _draw(path: Path, errors: dict[RateCurve, list[float]], lives: dict[str, list[float]]) -> None:
+def _draw(path: Path, errors: dict[RateModel, list[float]], lives: dict[str, list[float]]) -> None:
     with drawing(path, height=3.0) as figure:
         left, right = figure.subplots(1, 2)
         for method, found in errors.items():

@@ -6,8 +6,9 @@ import numpy as np
 from mpi4py import MPI
 
 from pearlite_petsc.arrays import FloatArray, IntArray
-from pearlite_petsc.fatigue.cycle_jump import Block, Drive
 from pearlite_petsc.fatigue.damage import damage_law
+from pearlite_petsc.fatigue.drive import Drive
+from pearlite_petsc.fatigue.extrapolation import Extrapolation
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.growth.loop import CrackGrowth
 from pearlite_petsc.growth.prepared import Prepared, prepare_growth
@@ -170,7 +171,7 @@ def grow_under_fixed_load(mesh: Mesh, state: State, airy: AiryFunction) -> Fixed
         traction = solve(mesh, soft, value >= 1.0, airy).traction
         effective = traction / np.where(intact > 0.0, intact, 1.0)[:, None]
         drive = Drive(value, effective[:, 0], effective[:, 1], law, 1.0, False)
-        block = Block(drive, 1.0, "euler")
+        block = Extrapolation(drive, 1.0, "euler")
         cycles += block.longest
         after = block.damage_after(block.longest)
         fresh = np.flatnonzero((after >= 1.0) & (value < 1.0))

@@ -6,8 +6,11 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from pearlite_petsc.arrays import FloatArray
-from pearlite_petsc.fatigue.cycle_jump import Block, Drive, RateCurve, exponent, next_release
+from pearlite_petsc.fatigue.cycle_jumps.exponential import exponent
 from pearlite_petsc.fatigue.damage import DamageLaw, damage_law
+from pearlite_petsc.fatigue.drive import Drive
+from pearlite_petsc.fatigue.extrapolation import Extrapolation, RateModel
+from pearlite_petsc.fatigue.release import next_release
 from pearlite_petsc.fatigue.softening import Softening, course_of
 from pearlite_petsc.mechanics.lefm import TIP_FACTOR
 from pearlite_petsc.scene import Kind, State
@@ -82,7 +85,7 @@ class SeriesSpring:
         )
         return float(solution.y[0, -1])
 
-    def jumped_life(self, method: RateCurve, delta_d: float) -> float:
+    def jumped_life(self, method: RateModel, delta_d: float) -> float:
         """Return the cycles to failure by the program's blocks, infinite where it arrests."""
         damage = np.zeros(1)
         cycles, sensitivity = 0.0, FIRST_GUESS
@@ -98,7 +101,7 @@ class SeriesSpring:
                 if method == "exponential" and last is not None:
                     sensitivity = self._exponent(last, drive, sensitivity)
                 last = drive.with_sensitivity(np.array([sensitivity]))
-                block = Block(last, delta_d, method)
+                block = Extrapolation(last, delta_d, method)
                 spent = block.longest
                 if not np.isfinite(spent):
                     return float("inf")
@@ -113,7 +116,7 @@ class SeriesSpring:
         damage, share = drive.damage, np.array([self.share])
         return Softening(
             damage=damage,
-            limit=next_release(drive.with_sensitivity(share), delta_d),
+            limit=next_release(damage, share, self.failure, delta_d),
             jump=np.stack([drive.normal, drive.shear, np.zeros(1)], axis=1),
             constants=np.ones((1, 3)),
             springs=np.ones((1, 2)),

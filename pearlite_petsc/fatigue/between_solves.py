@@ -1,20 +1,20 @@
 """Damage of all that hardly softens in a block, once the solve at its end shows the stresses there.
 
 The body outside the softening interfaces is linear in the force that they let go. Between the
-solves before and after a block the stress of every other interface therefore moves with the share
-of that force, and its damage is the integral of the rates on the way.
+solves before and after a block the stress of every other interface therefore moves with the
+fraction of that force that is gone, and its damage is the integral of the rates on the way.
 """
 
 import numpy as np
 
 from pearlite_petsc.arrays import FloatArray, IntArray
-from pearlite_petsc.fatigue.cycle_jump import Drive
+from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.softening import Course
 
 _PASSIVE = 1e-5
 
 
-def damage_after(
+def damage_at_end(
     drive: Drive, normal_end: FloatArray, shear_end: FloatArray, course: Course
 ) -> FloatArray:
     """Return the damage at the block's end, from the stresses at its start and its end.
@@ -32,10 +32,9 @@ def damage_after(
     )
     most = np.maximum(drive.rate_at(drive.damage), at_end.rate_at(drive.damage))
     active: IntArray = np.flatnonzero(most * course.cycles[-1] > _PASSIVE)
-    path = drive.take(active)
-    part = course.released
-    normal = path.normal + (normal_end[active, None] - path.normal) * part
-    shear = path.shear + (shear_end[active, None] - path.shear) * part
+    path = drive.of(active)
+    normal = path.normal + (normal_end[active, None] - path.normal) * course.released
+    shear = path.shear + (shear_end[active, None] - path.shear) * course.released
     blend = Drive(path.damage, normal, shear, path.law, drive.failure_damage, drive.nominal)
     rate = blend.rate_at(path.damage)
     damage = drive.damage.copy()
