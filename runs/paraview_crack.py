@@ -4,7 +4,7 @@
     pvpython runs/paraview_crack.py runs/quickstart --task severe_AT_m0_dk18 --magnify 5
     pvpython runs/paraview_crack.py runs/quickstart --task severe_AT_m0_dk18 --step 3
 
-Elements are moved by ``displacement`` times the magnification, so that the crack opens, and
+Elements are moved by ``displacement_um`` times the magnification, so that the crack opens, and
 coloured by the mean damage of their interfaces; broken interfaces are drawn on top in red, the
 notch in black, both where they were before loading. Without a screen, Debian's ``pvpython`` needs
 ``xvfb-run -a pvpython …``; a build with EGL or OSMesa, ``--force-offscreen-rendering``.
@@ -72,7 +72,7 @@ def draw(fields: Path, task: str, step: int, magnify: float, margin: float, outp
     view.OrientationAxesVisibility = 0
     view.ViewTime = times[step]
 
-    warped = pv.WarpByVector(Input=elements, Vectors=["POINTS", "displacement"])
+    warped = pv.WarpByVector(Input=elements, Vectors=["POINTS", "displacement_um"])
     warped.ScaleFactor = magnify
     shown = pv.Show(warped, view)
     shown.Ambient, shown.Diffuse = 1.0, 0.0

@@ -11,16 +11,18 @@ from pearlite_petsc.output.safe_stream import hdf5_file
 from pearlite_petsc.output.whole_file import whole_file
 from pearlite_petsc.tessellation.mesh import Mesh
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
+FIRST_FORMAT = 1
+"""Of version 0.1.0: datasets without their unit at the end of the name."""
 
 _KINDS = "0 lamella, 1 cementite, 2 colony, 3 block, 4 prior_austenite_grain, 5 notch"
 
 # Field of the mesh: dataset, unit, description.
 _DATASETS: dict[str, tuple[str, str, str]] = {
-    "vertices": ("vertices", "um", "corners of the elements, x and y"),
+    "vertices": ("vertices_um", "um", "corners of the elements, x and y"),
     "junction": ("junction", "1", "vertices of one junction are ends of facets too short to count"),
-    "centre": ("elements/centre", "um", "nucleus of each element, x and y"),
-    "area": ("elements/area", "um^2", "area of each element"),
+    "centre": ("elements/centre_um", "um", "nucleus of each element, x and y"),
+    "area": ("elements/area_um2", "um^2", "area of each element"),
     "offsets": ("elements/offsets", "1", "polygon i is vertex_indices[offsets[i]:offsets[i+1]]"),
     "vertex_indices": ("elements/vertex_indices", "1", "corners, counter-clockwise"),
     "colony": ("elements/colony", "1", "number of the colony"),
@@ -30,13 +32,17 @@ _DATASETS: dict[str, tuple[str, str, str]] = {
         "1",
         "number of the prior austenite grain",
     ),
-    "lamella_angle": ("elements/lamella_angle", "rad", "direction of the lamellae from the x axis"),
+    "lamella_angle": (
+        "elements/lamella_angle_rad",
+        "rad",
+        "direction of the lamellae from the x axis",
+    ),
     "nucleus": ("elements/nucleus", "1", "number of the nucleus in the uniformly fine mesh"),
     "fine": ("elements/fine", "1", "whether the element belongs to the fine zone"),
     "interface_elements": ("interfaces/elements", "1", "the two elements, i < j"),
     "interface_vertices": ("interfaces/vertices", "1", "the two end vertices"),
-    "length": ("interfaces/length", "um", "length of each interface"),
-    "midpoint": ("interfaces/midpoint", "um", "midpoint, x and y"),
+    "length": ("interfaces/length_um", "um", "length of each interface"),
+    "midpoint": ("interfaces/midpoint_um", "um", "midpoint, x and y"),
     "normal": ("interfaces/normal", "1", "unit normal from element i to element j"),
     "kind": ("interfaces/kind", "1", _KINDS),
     "boundary_elements": ("boundary/elements", "1", "element of each facet of the window's edge"),
@@ -67,7 +73,7 @@ def write_mesh(path: Path, mesh: Mesh, scene_text: str) -> None:
 
 
 def read_mesh(path: Path) -> Mesh:
-    """Return what `write_mesh` wrote, bit for bit.
+    """Return what `write_mesh` wrote, bit for bit; files of 0.1.0, too.
 
     Raises:
         MeshError: The file is missing, is no mesh file or has another format.
@@ -75,10 +81,10 @@ def read_mesh(path: Path) -> Mesh:
     try:
         with h5py.File(path, "r") as file:
             version = int(file.attrs["format_version"])
-            if version != FORMAT_VERSION:
+            if version not in (FIRST_FORMAT, FORMAT_VERSION):
                 raise MeshError(f"{path}: format {version} is not {FORMAT_VERSION}")
             fields: dict[str, Any] = {
-                field: np.asarray(file[name][()]) for field, (name, _, _) in _DATASETS.items()
+                field: np.asarray(file[_name(field, version)][()]) for field in _DATASETS
             }
             return Mesh(
                 **fields,
@@ -103,6 +109,11 @@ def read_recipe(path: Path) -> str:
             return str(file.attrs["recipe"])
     except (OSError, KeyError) as error:
         raise MeshError(f"{path}: cannot be read as a mesh ({error})") from None
+
+
+def _name(field: str, version: int) -> str:
+    name, unit, _ = _DATASETS[field]
+    return name.removesuffix("_" + unit.replace("^", "")) if version == FIRST_FORMAT else name
 
 
 def _pair(values: Any) -> tuple[float, float]:

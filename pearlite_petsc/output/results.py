@@ -1,7 +1,10 @@
-"""``results.h5``: scene, every outcome with its history and path, and provenance, in one file."""
+"""``results.h5``: scene, every outcome with its history and path, and provenance, in one file.
+
+Names and units are those of ``fcg.csv`` and ``growth/*.csv``.
+"""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,38 +12,97 @@ from typing import Any
 import h5py
 import numpy as np
 
+from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
 from pearlite_petsc.output.safe_stream import hdf5_file
-from pearlite_petsc.output.tables import task_name
+from pearlite_petsc.output.tables import (
+    GROWTH_COLUMNS,
+    UM_PER_M,
+    delta_k_from_mpa_sqrt_m,
+    delta_k_in_mpa_sqrt_m,
+    task_name,
+)
 from pearlite_petsc.output.whole_file import whole_file
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
+FIRST_FORMAT = 1
+"""Of version 0.1.0: datasets have the names of the outcome's attributes and its units."""
 
-_COLUMNS: dict[str, tuple[str, str]] = {
-    "state": ("1", "name of the sheared state"),
-    "mesh_index": ("1", "number of the mesh (repetition)"),
-    "delta_k": ("MPa sqrt(um)", "range of the stress intensity factor"),
-    "stop_reason": ("1", "why the task ended"),
-    "message": ("1", "error message of a failed task"),
-    "cycles": ("cycle", "load cycles N at the end"),
-    "extension": ("um", "crack growth along x"),
-    "da_dn": ("um/cycle", "slope of crack length over cycles, NaN where nothing grew"),
-    "tortuosity": ("1", "path length over x-extent, NaN where the extent is below one colony"),
-    "solves": ("1", "linear solves"),
-    "refinements": ("1", "meshes replaced on the way"),
-    "wall_s": ("s", "wall time"),
-    "elements": ("1", "elements of the last mesh"),
-    "counters": ("1", "JSON: fallbacks and iterations of the solver"),
-}
-_ARRAYS: dict[str, tuple[str, str]] = {
-    "history": (
-        "cycle, um, um, 1",
-        "columns: cycles, crack length, path length, broken interfaces",
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """A dataset with one value a task.
+
+    Attributes:
+        attribute: Of ``Outcome``.
+        name: Of the dataset.
+        unit, description: Its attributes.
+        to_file, from_file: Between the program's unit and the file's.
+    """
+
+    attribute: str
+    name: str
+    unit: str
+    description: str
+    to_file: Callable[[Any], Any] = lambda value: value
+    from_file: Callable[[Any], Any] = lambda value: value
+
+
+_COLUMNS = (
+    _Column("state", "state", "1", "name of the sheared state"),
+    _Column("mesh_index", "mesh", "1", "number of the mesh (repetition)"),
+    _Column(
+        "delta_k",
+        "delta_k_mpa_sqrt_m",
+        "MPa sqrt(m)",
+        "range of the stress intensity factor",
+        delta_k_in_mpa_sqrt_m,
+        delta_k_from_mpa_sqrt_m,
     ),
-    "path": ("um", "vertices of the crack path at the end, x and y"),
-    "broken_pairs": ("1", "nuclei of the two elements of each broken interface, notch excluded"),
-}
+    _Column(
+        "stop_reason",
+        "stop_reason",
+        "1",
+        "why the task ended",
+        lambda reason: reason.value,
+        StopReason,
+    ),
+    _Column("message", "message", "1", "error message of a failed task"),
+    _Column("cycles", "cycles", "cycle", "load cycles N at the end"),
+    _Column("extension", "extension_um", "um", "crack growth along x"),
+    _Column(
+        "da_dn",
+        "da_dn_m_per_cycle",
+        "m/cycle",
+        "slope of crack length over cycles, NaN where there is no rate",
+        lambda rate: rate / UM_PER_M,
+        lambda rate: rate * UM_PER_M,
+    ),
+    _Column(
+        "tortuosity",
+        "tortuosity",
+        "1",
+        "path length over x-extent, NaN where the extent is below one colony",
+        lambda value: np.nan if value is None else value,
+        lambda value: None if np.isnan(value) else value,
+    ),
+    _Column("solves", "solves", "1", "linear solves"),
+    _Column("refinements", "refinements", "1", "meshes replaced on the way"),
+    _Column("wall_s", "wall_s", "s", "wall time"),
+    _Column("elements", "elements", "1", "elements of the last mesh"),
+    _Column(
+        "counters",
+        "counters",
+        "1",
+        "JSON: fallbacks and iterations of the solver",
+        json.dumps,
+        json.loads,
+    ),
+)
+_HISTORY = np.dtype(
+    [(name, np.float64) for name in GROWTH_COLUMNS[:-1]] + [(GROWTH_COLUMNS[-1], np.int64)]
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,15 +113,21 @@ class Results:
         scene_text: The resolved scene (TOML).
         outcomes: Every task.
         provenance: What ran, where and when.
+        experiment_text: The file of measured points that the scene names, None without one.
     """
 
     scene_text: str
     outcomes: tuple[Outcome, ...]
     provenance: dict[str, Any]
+    experiment_text: str | None = None
 
 
 def write_results(
-    path: Path, scene_text: str, outcomes: Sequence[Outcome], provenance: dict[str, Any]
+    path: Path,
+    scene_text: str,
+    outcomes: Sequence[Outcome],
+    provenance: dict[str, Any],
+    experiment_text: str | None = None,
 ) -> None:
     """Write all results; the file appears whole.
 
@@ -68,25 +136,30 @@ def write_results(
         scene_text: The resolved scene (TOML).
         outcomes: Every task; arrays that are None are left out.
         provenance: Anything that JSON can hold.
+        experiment_text: Text of the measured points (CSV), None for none.
+
+    Raises:
+        OSError: The file cannot be written.
     """
     with whole_file(path) as partial, hdf5_file(partial) as file:
         file.attrs["format_version"] = FORMAT_VERSION
         _put(file, "scene", scene_text, "1", "resolved scene (TOML)")
         _put(file, "provenance", json.dumps(provenance), "1", "what ran, where and when (JSON)")
+        if experiment_text is not None:
+            _put(file, "experiment", experiment_text, "1", "measured points (CSV)")
         table = file.create_group("outcomes")
-        for name, (unit, description) in _COLUMNS.items():
-            _put(table, name, _column(name, outcomes), unit, description)
+        for column in _COLUMNS:
+            values = [column.to_file(getattr(o, column.attribute)) for o in outcomes]
+            text = any(isinstance(value, str) for value in values)
+            data = values if text else np.array(values)
+            _put(table, column.name, data, column.unit, column.description)
         tasks = file.create_group("tasks")
         for o in outcomes:
-            group = tasks.create_group(task_name(o.state, o.mesh_index, o.delta_k))
-            for name, (unit, description) in _ARRAYS.items():
-                array = getattr(o, name)
-                if array is not None:
-                    _put(group, name, array, unit, description)
+            _put_arrays(tasks.create_group(task_name(o.state, o.mesh_index, o.delta_k)), o)
 
 
 def read_results(path: Path) -> Results:
-    """Return what ``write_results`` wrote, bit for bit.
+    """Return what ``write_results`` wrote, da/dN to the last digit but one; files of 0.1.0, too.
 
     Raises:
         SceneError: The file is missing, is no HDF5 or has another format.
@@ -94,26 +167,31 @@ def read_results(path: Path) -> Results:
     try:
         with h5py.File(path, "r") as file:
             version = int(file.attrs["format_version"])
-            if version != FORMAT_VERSION:
+            if version not in (FIRST_FORMAT, FORMAT_VERSION):
                 raise SceneError(f"{path}: format {version} is not {FORMAT_VERSION}")
+            experiment = file.get("experiment")
             return Results(
                 scene_text=file["scene"].asstr()[()],
-                outcomes=_outcomes(file),
+                outcomes=_outcomes(file, first=version == FIRST_FORMAT),
                 provenance=json.loads(file["provenance"].asstr()[()]),
+                experiment_text=None if experiment is None else experiment.asstr()[()],
             )
     except (OSError, KeyError, ValueError) as error:
         raise SceneError(f"{path}: cannot be read as results ({error})") from None
 
 
-def _column(name: str, outcomes: Sequence[Outcome]) -> Any:
-    if name == "counters":
-        return [json.dumps(o.counters) for o in outcomes]
-    if name == "stop_reason":
-        return [o.stop_reason.value for o in outcomes]
-    if name == "tortuosity":
-        return np.array([np.nan if o.tortuosity is None else o.tortuosity for o in outcomes])
-    values = [getattr(o, name) for o in outcomes]
-    return values if name in ("state", "message") else np.array(values)
+def _put_arrays(group: Any, outcome: Outcome) -> None:
+    if outcome.history is not None:
+        rows = np.array([tuple(row) for row in outcome.history.tolist()], dtype=_HISTORY)
+        _put(
+            group, "history", rows, "cycle, um, um, 1", "N, furthest x, length of the path, broken"
+        )
+    if outcome.path is not None:
+        about = "vertices of the crack path at the end, x and y"
+        _put(group, "path_um", outcome.path, "um", about)
+    if outcome.broken_pairs is not None:
+        about = "nuclei of the two elements of each broken interface, notch excluded"
+        _put(group, "broken_pairs", outcome.broken_pairs, "1", about)
 
 
 def _put(group: Any, name: str, data: Any, unit: str, description: str) -> None:
@@ -124,20 +202,33 @@ def _put(group: Any, name: str, data: Any, unit: str, description: str) -> None:
     dataset.attrs["unit"], dataset.attrs["description"] = unit, description
 
 
-def _outcomes(file: Any) -> tuple[Outcome, ...]:
+def _outcomes(file: Any, first: bool) -> tuple[Outcome, ...]:
     columns: dict[str, list[Any]] = {}
-    for name in _COLUMNS:
-        dataset = file["outcomes"][name]
+    for column in _COLUMNS:
+        dataset = file["outcomes"][column.attribute if first else column.name]
         text = h5py.check_string_dtype(dataset.dtype) is not None
-        columns[name] = (dataset.asstr()[()] if text else dataset[()]).tolist()
+        columns[column.attribute] = (dataset.asstr()[()] if text else dataset[()]).tolist()
     outcomes = []
     for values in zip(*columns.values(), strict=True):
         row = dict(zip(columns, values, strict=True))
-        row["stop_reason"] = StopReason(row["stop_reason"])
-        row["counters"] = json.loads(row["counters"])
-        if np.isnan(row["tortuosity"]):
-            row["tortuosity"] = None
+        for column in _COLUMNS:
+            same_unit = first and column.attribute in ("delta_k", "da_dn")
+            if not same_unit:
+                row[column.attribute] = column.from_file(row[column.attribute])
         group = file["tasks"][task_name(row["state"], row["mesh_index"], row["delta_k"])]
-        arrays = {name: group[name][()] for name in _ARRAYS if name in group}
-        outcomes.append(Outcome(**row, **arrays))
+        outcomes.append(Outcome(**row, **_arrays(group, first)))
     return tuple(outcomes)
+
+
+def _arrays(group: Any, first: bool) -> dict[str, Any]:
+    names = {"history": "history", "path": "path" if first else "path_um"}
+    names["broken_pairs"] = "broken_pairs"
+    arrays = {name: group[place][()] for name, place in names.items() if place in group}
+    if "history" in arrays and not first:
+        arrays["history"] = _plain(arrays["history"])
+    return arrays
+
+
+def _plain(history: Any) -> FloatArray:
+    """Return the named columns of a history side by side; shape (h, 4)."""
+    return np.stack([history[name].astype(np.float64) for name in GROWTH_COLUMNS], axis=1)

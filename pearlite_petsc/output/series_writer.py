@@ -1,12 +1,15 @@
 """XDMF time series through meshio, heavy data in an HDF5 file beside it.
 
 meshio's own ``TimeSeriesWriter`` puts the HDF5 file into the working directory, knows one mesh,
-and shows that mesh as a second grid beside the series. Here the file lies beside the ``.xdmf``,
-each step refers to the mesh it belongs to, and every mesh is stored once. The ``.xdmf`` names the
-``.h5`` relative to itself, so a copied folder opens.
+numbers all datasets through, and shows that mesh as a second grid beside the series. Here the file
+lies beside the ``.xdmf``, each step refers to the mesh it belongs to, every mesh is stored once, and
+the ``.h5`` can be read without the ``.xdmf``: groups ``mesh_<i>`` and ``step_<j>``, datasets with
+their fields' names, attributes ``unit`` and ``description``, and ``cycles`` and ``mesh`` of a step.
+The ``.xdmf`` names the ``.h5`` relative to itself, so a copied folder opens.
 """
 
 import copy
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -21,15 +24,19 @@ from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.output.safe_stream import SafeStream
 from pearlite_petsc.output.whole_file import whole_file
 
+FORMAT_VERSION = 2
+"""Of the ``.h5``; 0.1.0 numbered its datasets and gave no version."""
+
 
 class SeriesWriter(TimeSeriesWriter):  # type: ignore[misc]
     """One ``<name>.xdmf`` with ``<name>.h5``; both appear whole when the writer is closed.
 
     Args:
         path: The ``.xdmf``; its folder is made if need be.
+        about: Unit and description of every field by its name, of ``points_um`` and ``cells`` too.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, about: Mapping[str, tuple[str, str]]) -> None:
         super().__init__(path, data_format="HDF")
         path.parent.mkdir(parents=True, exist_ok=True)
         self.path = path
@@ -38,7 +45,11 @@ class SeriesWriter(TimeSeriesWriter):  # type: ignore[misc]
         # The newer file layout halves the time of many small datasets (HDF5 1.10 reads it).
         self._stream = SafeStream(self._partial)
         self.h5_file = h5py.File(self._stream, "w", libver="latest")
+        self.h5_file.attrs["format_version"] = FORMAT_VERSION
+        self._about = about
         self._mesh: list[ElementTree.Element] = []
+        self._meshes = self._steps = 0
+        self._names: list[str] = []
 
     def write_mesh(
         self,
@@ -55,6 +66,9 @@ class SeriesWriter(TimeSeriesWriter):  # type: ignore[misc]
             cells: Points of each cell; shape (c, points of a cell).
             cell_data: Fields with the first axis of the cells, the same in every step.
         """
+        self._group = self.h5_file.create_group(f"mesh_{self._meshes}")
+        self._meshes += 1
+        self._names = ["points_um", "cells", *cell_data]
         holder = ElementTree.Element("Grid")
         flat = np.zeros((len(points), 3))
         flat[:, : points.shape[1]] = points
@@ -76,19 +90,31 @@ class SeriesWriter(TimeSeriesWriter):  # type: ignore[misc]
         """Store the fields of one time on the mesh written last.
 
         Args:
-            time: Larger than that of the step before.
+            time: N [cycles], larger than that of the step before.
             point_data: Fields with the first axis of the points.
             cell_data: Fields with the first axis of the cells; (c,), (c, 3) or (c, 9).
 
         Raises:
             OSError: The file cannot be written.
         """
+        self._group = self.h5_file.create_group(f"step_{self._steps}")
+        self._group.attrs["cycles"] = float(time)
+        self._group.attrs["mesh"] = f"mesh_{self._meshes - 1}"
+        self._steps += 1
+        self._names = [*point_data, *cell_data]
         grid = ElementTree.SubElement(self.collection, "Grid", Name="step", GridType="Uniform")
         grid.extend(copy.deepcopy(self._mesh))
         ElementTree.SubElement(grid, "Time", Value=repr(float(time)))
         self.point_data(point_data, grid)
         self.cell_data({name: [values] for name, values in cell_data.items()}, grid)
         self._stream.check()
+
+    def numpy_to_xml_string(self, data: NDArray[Any]) -> str:
+        """Store an array under the next name of its group; meshio's hook, called in that order."""
+        name = self._names.pop(0)
+        dataset = self._group.create_dataset(name, data=data)
+        dataset.attrs["unit"], dataset.attrs["description"] = self._about[name]
+        return f"{self.h5_filename}:{dataset.name}"
 
     def close(self) -> None:
         """Finish both files."""

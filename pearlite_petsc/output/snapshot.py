@@ -106,7 +106,8 @@ def _steps(path: Path, last_only: bool) -> list[dict[str, NDArray[Any]]]:
         for grid in grids[-1:] if last_only else grids:
             step: dict[str, NDArray[Any]] = {}
             for item in grid:
-                name = item.attrib.get("Name", item.tag)
+                # Fields of 0.1.0 have no unit in their name.
+                name = item.attrib.get("Name", item.tag).removesuffix("_um")
                 if item.tag == "Time":
                     step[name] = np.array(float(item.attrib["Value"]))
                 elif name in _WANTED:

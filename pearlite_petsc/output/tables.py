@@ -6,6 +6,7 @@ Inside: um, MPa sqrt(um). In the tables: da/dN in m/cycle, Delta-K in MPa sqrt(m
 import csv
 import math
 from collections.abc import Iterable, Sequence
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,15 @@ GROWTH_COLUMNS = ("cycles", "crack_length_um", "path_length_um", "broken_interfa
 def delta_k_in_mpa_sqrt_m(delta_k: float) -> float:
     """Return MPa sqrt(m) from MPa sqrt(um), without the last digits' noise of the conversion."""
     return float(f"{delta_k / MPA_SQRT_UM:.14g}")
+
+
+def delta_k_from_mpa_sqrt_m(value: float) -> float:
+    """Return MPa sqrt(um) from MPa sqrt(m), the very number that a scene with that value has.
+
+    >>> 1.001 * MPA_SQRT_UM, delta_k_from_mpa_sqrt_m(1.001)
+    (1000.9999999999999, 1001.0)
+    """
+    return float(Decimal(repr(value)).scaleb(3))
 
 
 def task_name(state: str, mesh_index: int, delta_k: float) -> str:
@@ -121,7 +131,7 @@ def _outcome(row: dict[str, str]) -> Outcome:
     return Outcome(
         state=row["state"],
         mesh_index=int(row["mesh"]),
-        delta_k=float(row["delta_k_mpa_sqrt_m"]) * MPA_SQRT_UM,
+        delta_k=delta_k_from_mpa_sqrt_m(float(row["delta_k_mpa_sqrt_m"])),
         stop_reason=StopReason(row["stop_reason"]),
         cycles=float(row["cycles"]),
         extension=float(row["extension_um"]),

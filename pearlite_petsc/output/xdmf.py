@@ -21,6 +21,31 @@ from pearlite_petsc.output.series_writer import SeriesWriter
 from pearlite_petsc.scene import Kind, Scene
 from pearlite_petsc.tessellation.mesh import Mesh
 
+ELEMENT_FIELDS = {
+    "points_um": ("um", "corners of the triangles, each element with its own"),
+    "cells": ("1", "points of each triangle; the elements as fans of them"),
+    "element": ("1", "number of the element in its mesh"),
+    "colony": ("1", "number of the colony"),
+    "block": ("1", "number of the block"),
+    "prior_austenite_grain": ("1", "number of the prior austenite grain"),
+    "lamella_angle_rad": ("rad", "direction of the lamellae from the x axis"),
+    "displacement_um": ("um", "under Delta-K, of the points; 0 for loose elements"),
+    "mean_damage": ("1", "mean over the interfaces of the element, by their length"),
+    "stress_mpa": ("MPa", "mean stress of the element under Delta-K, 3 x 3 by rows"),
+    "loose": ("1", "1 for elements that hang on no load-bearing interface"),
+}
+INTERFACE_FIELDS = {
+    "points_um": ("um", "ends of the interfaces, each interface with its own"),
+    "cells": ("1", "the two points of each interface"),
+    "kind": ("1", "0 lamella, 1 cementite, 2 colony, 3 block, 4 prior_austenite_grain, 5 notch"),
+    "damage": ("1", "0 intact, 1 broken; 1 for the notch"),
+    "normal_stress_range_mpa": ("MPa", "range that drives the damage, 0 where broken"),
+    "shear_stress_range_mpa": ("MPa", "range that drives the damage, 0 where broken"),
+    "broken": ("1", "1 where broken, the notch's not"),
+    "failure_cycles": ("cycle", "N at which it broke, NaN where it has not, 0 for the notch"),
+}
+"""Unit and description of every field."""
+
 
 class FieldMarks:
     """Chooses the states of a series as the crack grows, knowing nothing of what comes.
@@ -70,8 +95,8 @@ class FieldSeries:
     ) -> None:
         self._scene, self._ratio = scene, ratio
         self._marks = FieldMarks(steps, scene.loading.extension)
-        self._elements = SeriesWriter(folder / f"{stem}_elements.xdmf")
-        self._interfaces = SeriesWriter(folder / f"{stem}_interfaces.xdmf")
+        self._elements = SeriesWriter(folder / f"{stem}_elements.xdmf", ELEMENT_FIELDS)
+        self._interfaces = SeriesWriter(folder / f"{stem}_interfaces.xdmf", INTERFACE_FIELDS)
         self._mesh: Mesh | None = None
         self._fan: Fan | None = None
         self._pending: GrowthState | None = None
@@ -115,10 +140,10 @@ class FieldSeries:
         stress = self._stress(state)
         self._elements.write_step(
             state.cycles,
-            {"displacement": single(point_displacement(mesh, self._fan, state))},
+            {"displacement_um": single(point_displacement(mesh, self._fan, state))},
             {
                 "mean_damage": single(mean_damage(mesh, state.damage)[owner]),
-                "stress": single(stress[owner]),
+                "stress_mpa": single(stress[owner]),
                 "loose": state.loose[owner].astype(np.int32),
             },
         )
@@ -127,8 +152,8 @@ class FieldSeries:
             {},
             {
                 "damage": single(state.damage),
-                "normal_stress_range": single(state.normal_stress),
-                "shear_stress_range": single(state.shear_stress),
+                "normal_stress_range_mpa": single(state.normal_stress),
+                "shear_stress_range_mpa": single(state.shear_stress),
                 "broken": ((state.damage >= 1.0) & (mesh.kind != Kind.NOTCH)).astype(np.int32),
                 "failure_cycles": np.asarray(state.failure_cycles, dtype=np.float64),
             },
@@ -144,7 +169,7 @@ class FieldSeries:
         fields: dict[str, NDArray[Any]] = {
             name: values.astype(np.int32) for name, values in labels.items()
         }
-        fields["lamella_angle"] = single(mesh.lamella_angle[shape.owner])
+        fields["lamella_angle_rad"] = single(mesh.lamella_angle[shape.owner])
         self._elements.write_mesh(shape.points, "triangle", shape.triangles, fields)
         lines = np.arange(2 * mesh.interface_count).reshape(-1, 2)
         ends = mesh.vertices[mesh.interface_vertices].reshape(-1, 2)

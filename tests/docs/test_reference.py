@@ -5,16 +5,22 @@ import importlib
 import re
 import subprocess
 import sys
+from pathlib import Path
 
+import h5py
 import pytest
 
 from pearlite_petsc.bench import SUBCOMMANDS
 from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.fatigue.outcome import StopReason
+from pearlite_petsc.output.results import write_results
 from pearlite_petsc.output.tables import FCG_COLUMNS, GROWTH_COLUMNS
+from pearlite_petsc.output.xdmf import FieldSeries
 from pearlite_petsc.studies.benchmarks.stability_studies import STUDIES
 from tests.docs.pages import ROOT
 from tests.docs.test_commands import environment
+from tests.output import synthetic
+from tests.scenes import default_scene
 
 REFERENCE = (ROOT / "docs" / "reference.md").read_text(encoding="utf-8")
 
@@ -27,6 +33,26 @@ def names(heading: str, column: str) -> list[str]:
         f"\n\n{section.lstrip()}".split(f"\n\n| {column} |", 1)[1].split("\n\n")[0].splitlines()[2:]
     )
     return [re.findall(r"`([^`]+)`", row)[0] for row in rows]
+
+
+LETTER = {"mesh": "i", "step": "j"}
+
+
+def contents(file: h5py.File) -> set[str]:
+    """Return the names of all datasets; each has a unit and a description."""
+    found: dict[str, h5py.Dataset] = {}
+    file.visititems(
+        lambda name, item: found.update({name: item}) if hasattr(item, "dtype") else None
+    )
+    assert all(item.attrs["unit"] and item.attrs["description"] for item in found.values())
+    return set(found)
+
+
+def datasets(heading: str) -> set[str]:
+    """Return the names in the first column of the table below a heading."""
+    rows = REFERENCE.split(f"{heading}\n", 1)[1].split("\n#", 1)[0].splitlines()
+    first = [row.split(" | ")[0] for row in rows if re.match(r"\| `(/|mesh_|step_)", row)]
+    return {name for row in first for name in re.findall(r"`([^`]+)`", row)}
 
 
 def test_the_page_of_scene_keys_is_what_its_script_prints() -> None:
@@ -54,9 +80,29 @@ def test_every_stop_reason_is_described() -> None:
 def test_every_dataset_of_the_mesh_file_is_described() -> None:
     from pearlite_petsc.output.mesh_file import _DATASETS
 
-    rows = [line for line in REFERENCE.splitlines() if line.startswith("| `/")]
-    described = {name for row in rows for name in re.findall(r"`/([^`]+)`", row)}
-    assert described == {name for name, _, _ in _DATASETS.values()}
+    described = datasets("## Mesh file")
+    assert described == {f"/{name}" for name, _, _ in _DATASETS.values()}
+
+
+def test_every_dataset_of_results_and_fields_is_described(tmp_path: Path) -> None:
+    path = tmp_path / "results.h5"
+    write_results(path, "", synthetic.outcomes(meshes=1)[:1], {}, "state\n")
+    with h5py.File(path) as file:
+        task = next(iter(file["tasks"]))
+        found = {f"/{name}".replace(task, "<crack>") for name in contents(file)}
+    assert datasets("### results.h5") == found
+    states = synthetic.growth_states(synthetic.voronoi_mesh(), 2)
+    with FieldSeries(tmp_path, "a", default_scene(), 2) as series:
+        for state in states:
+            series.add(state)
+    found = set()
+    for name in ("elements", "interfaces"):
+        with h5py.File(tmp_path / f"a_{name}.h5") as file:
+            found |= {
+                re.sub(r"(mesh|step)_[0-9]", lambda m: f"{m[1]}_<{LETTER[m[1]]}>", n)
+                for n in contents(file)
+            }
+    assert datasets("### fields") == found
 
 
 @pytest.mark.parametrize("name", SUBCOMMANDS)

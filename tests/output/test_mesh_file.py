@@ -11,6 +11,7 @@ from pearlite_petsc.tessellation.build import build_mesh
 from pearlite_petsc.tessellation.mesh import Mesh
 from tests.scenes import STATES, default_scene
 
+OLD = Path(__file__).parent / "version_0_1_0" / "mesh.h5"
 SCENE_FILE = str(Path(__file__).parents[2] / "runs" / "quickstart.toml")
 
 
@@ -40,19 +41,19 @@ def test_the_file_has_the_documented_datasets_with_units(tmp_path: Path) -> None
     n, k, m = mesh.element_count, mesh.interface_count, len(mesh.vertices)
     q = len(mesh.boundary_elements)
     shapes = {
-        "vertices": (m, 2),
-        "elements/centre": (n, 2),
-        "elements/area": (n,),
+        "vertices_um": (m, 2),
+        "elements/centre_um": (n, 2),
+        "elements/area_um2": (n,),
         "elements/offsets": (n + 1,),
         "elements/vertex_indices": mesh.vertex_indices.shape,
         "elements/colony": (n,),
         "elements/block": (n,),
         "elements/prior_austenite_grain": (n,),
-        "elements/lamella_angle": (n,),
+        "elements/lamella_angle_rad": (n,),
         "interfaces/elements": (k, 2),
         "interfaces/vertices": (k, 2),
-        "interfaces/length": (k,),
-        "interfaces/midpoint": (k, 2),
+        "interfaces/length_um": (k,),
+        "interfaces/midpoint_um": (k, 2),
         "interfaces/normal": (k, 2),
         "interfaces/kind": (k,),
         "boundary/elements": (q,),
@@ -77,6 +78,13 @@ def test_the_file_has_the_documented_datasets_with_units(tmp_path: Path) -> None
         }
 
 
+def test_a_mesh_of_version_0_1_0_is_read() -> None:
+    mesh = read_mesh(OLD)
+    assert (mesh.state, mesh.index, mesh.window) == ("moderate_TA", 1, (24.0, 24.0))
+    assert mesh.area.sum() == pytest.approx(24.0 * 24.0, rel=1e-12)
+    assert "width_um = 24.0" in read_recipe(OLD)
+
+
 def test_missing_truncated_and_foreign_files_are_refused_with_their_name(tmp_path: Path) -> None:
     with pytest.raises(MeshError, match=r"none\.h5"):
         read_mesh(tmp_path / "none.h5")
@@ -87,7 +95,7 @@ def test_missing_truncated_and_foreign_files_are_refused_with_their_name(tmp_pat
         read_mesh(tmp_path / "half.h5")
     with h5py.File(whole, "r+") as file:
         file.attrs["format_version"] = 99
-    with pytest.raises(MeshError, match="format 99 is not 1"):
+    with pytest.raises(MeshError, match="format 99 is not 2"):
         read_mesh(whole)
 
 

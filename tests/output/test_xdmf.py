@@ -68,9 +68,10 @@ def test_paraviews_reader_finds_every_step_and_the_fields_of_the_last_state(
     assert grid.GetNumberOfCells() == len(mesh.vertex_indices) - 2 * mesh.element_count
     assert grid.GetNumberOfPoints() == len(mesh.vertex_indices)
     element = array(grid.GetCellData(), "element")
-    for name in ("colony", "block", "prior_austenite_grain", "lamella_angle"):
-        assert_allclose(array(grid.GetCellData(), name), getattr(mesh, name)[element], rtol=1e-6)
-    assert array(grid.GetCellData(), "stress").shape == (grid.GetNumberOfCells(), 9)
+    for name in ("colony", "block", "prior_austenite_grain", "lamella_angle_rad"):
+        wanted = getattr(mesh, name.removesuffix("_rad"))[element]
+        assert_allclose(array(grid.GetCellData(), name), wanted, rtol=1e-6)
+    assert array(grid.GetCellData(), "stress_mpa").shape == (grid.GetNumberOfCells(), 9)
     mean = array(grid.GetCellData(), "mean_damage")
     touching = np.any(mesh.interface_elements == 5, axis=1) & (mesh.kind != 5)
     wanted = np.average(last.damage[touching], weights=mesh.length[touching])
@@ -93,8 +94,8 @@ def test_interfaces_are_lines_with_their_own_fields(
         data = grid.GetCellData()
         assert_allclose(array(data, "damage"), state.damage, rtol=1e-6)
         assert_array_equal(array(data, "kind"), state.mesh.kind)
-        assert_allclose(array(data, "normal_stress_range"), state.normal_stress, rtol=1e-6)
-        assert_allclose(array(data, "shear_stress_range"), state.shear_stress, rtol=1e-6)
+        assert_allclose(array(data, "normal_stress_range_mpa"), state.normal_stress, rtol=1e-6)
+        assert_allclose(array(data, "shear_stress_range_mpa"), state.shear_stress, rtol=1e-6)
         assert_array_equal(array(data, "failure_cycles"), state.failure_cycles)
         assert array(data, "broken").sum() == state.crack.broken
 
@@ -107,7 +108,7 @@ def test_warped_triangles_keep_their_size_and_stay_together_within_an_element(
     grid = at(reader, times[-1])
     points, cells = corners(grid)
     element = array(grid.GetCellData(), "element")
-    shift = array(grid.GetPointData(), "displacement").astype(float)
+    shift = array(grid.GetPointData(), "displacement_um").astype(float)
     assert np.abs(shift).max() > 1.0
     # Linear in theta: a rotation lengthens every line by a factor of sqrt(1 + theta^2).
     stretch = np.sqrt(1.0 + last.displacement[element, 2] ** 2)
@@ -154,7 +155,7 @@ def test_a_mesh_is_stored_once_and_a_new_one_takes_its_place(tmp_path: Path) -> 
     counts = [at(reader, time).GetNumberOfPoints() for time in times]
     assert counts == [len(coarse.vertex_indices)] * 3 + [len(fine.vertex_indices)] * 2
     text = path.read_text()
-    references = [line for line in text.splitlines() if "_elements.h5:/data0<" in line]
+    references = [line for line in text.splitlines() if "_elements.h5:/mesh_0/points_um<" in line]
     assert len(references) == 3
 
 
