@@ -81,10 +81,10 @@ def _start(
     """Start MPI and PETSc and run; an unexpected error ends all ranks."""
     ranks = world()
     try:
-        from pearlite_petsc.solver.start import start_petsc
+        from pearlite_petsc.solver.initialize import initialize_petsc
 
         # Whatever imports PETSc first starts it, so this comes before all that computes.
-        start_petsc(petsc)
+        initialize_petsc(petsc)
         from pearlite_petsc.ensemble.session import Session, Settings
 
         settings = Settings(

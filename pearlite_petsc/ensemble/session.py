@@ -26,7 +26,7 @@ from pearlite_petsc.errors import SceneError
 from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.output.provenance import provenance
 from pearlite_petsc.scene import Scene
-from pearlite_petsc.solver.start import petsc_facts
+from pearlite_petsc.solver.petsc_build import petsc_facts
 
 _log = logging.getLogger(__name__)
 

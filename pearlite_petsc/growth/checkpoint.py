@@ -1,12 +1,15 @@
 """All that continuing a crack needs, as numbers and arrays that any file format can hold."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-FORM = 5
+from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.solver.reuse import ReusePolicy
+
+FORM = 6
 """Number of what a checkpoint holds and means; to be raised with every change of it."""
 
 _SMALL = ("history", "zone_boxes", "zone_discs", "reuse", "coupling_taken", "coupling_tip")
@@ -42,3 +45,14 @@ class Checkpoint:
                 for name, value in self.arrays.items()
             )
         )
+
+
+def policy_as_array(policy: ReusePolicy) -> FloatArray:
+    """Return the fields of a policy in their order; (7,)."""
+    return np.array(astuple(policy), dtype=float)
+
+
+def policy_from_array(values: FloatArray) -> ReusePolicy:
+    """Return the policy that ``policy_as_array`` took apart."""
+    setup_cost, first_iterations, excess, *flags = values.tolist()
+    return ReusePolicy(setup_cost, int(first_iterations), excess, *map(bool, flags))

@@ -20,7 +20,7 @@ LEAST_GAIN, MOST_COUPLED = 0.01, 20
 CHANGED = 0.02
 """Change of damage from which the compliance of the others has to know of an interface."""
 
-MOST_TAKEN = 60
+MOST_ADDED = 60
 """Interfaces of one set of factors; then new factors are cheaper."""
 
 PULL_REACH = 0.1
@@ -35,6 +35,9 @@ _PULL = 1.0
 class Coupling:
     """Knows the mutual compliance of the interfaces at the crack's front. Collective.
 
+    Attributes:
+        compliance: Of what softened since its factors were made; None before the first block.
+
     Args:
         domain: The mesh.
         tracker: The crack.
@@ -46,6 +49,7 @@ class Coupling:
     ) -> None:
         self._domain, self._tracker, self._load = domain, tracker, load
         self._constants = domain.part.spring_constants()
+        self.compliance: Compliance | None = None
         self._pull: FloatArray | None = None
         self._pull_tip = tracker.tip
 
@@ -138,37 +142,43 @@ class Coupling:
 
     def memory(self) -> tuple[FloatArray | None, dict[str, FloatArray]]:
         """Return what going on needs: the damage of the factors (k,) if any, and small arrays."""
-        known = self._domain.known_compliance
+        known = self.compliance
         if known is not None and known.is_outdated:
             # The next block makes another one, here as in a run that goes on from the checkpoint.
             known = None
-        taken = np.empty((2, 0)) if known is None else np.stack([known.taken, known.batch])
-        small = {"coupling_taken": taken.astype(float), "coupling_tip": np.array(self._pull_tip)}
+        added = np.empty((2, 0)) if known is None else np.stack([known.numbers, known.batch])
+        small = {"coupling_taken": added.astype(float), "coupling_tip": np.array(self._pull_tip)}
         return (None if known is None else known.set_up_damage), small
 
     def recall(self, set_up_damage: FloatArray, small: Mapping[str, FloatArray]) -> None:
         """Go on from what ``memory`` returned. Collective."""
-        compliance = self._domain.compliance(set_up_damage)
-        taken, batch = small["coupling_taken"].astype(np.int64)
+        compliance = self.compliance = Compliance(self._domain.equilibrium, set_up_damage)
+        numbers, batch = small["coupling_taken"].astype(np.int64)
         for number in range(batch.max(initial=-1) + 1):
-            compliance.take(taken[batch == number])
+            compliance.add(numbers[batch == number])
         x, y = small["coupling_tip"].tolist()
         self._pull_tip = x, y
         self._pull = self._pulls(compliance)
 
     def _compliance(self, numbers: IntArray, damage: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return C (3 a, 3 a) and the pull of the load (a, 3, 2) at the damage of now. Collective."""
-        before = self._domain.known_compliance
-        compliance = self._domain.compliance()
+        compliance = self.compliance
+        if compliance is None or compliance.is_outdated:
+            compliance = self._factored()
         wanted = np.union1d(numbers, self._changed(compliance, damage))
-        if len(np.union1d(compliance.taken, wanted)) > MOST_TAKEN and len(compliance.taken):
-            self._domain.drop_compliance()
-            compliance, wanted = self._domain.compliance(), numbers
-        compliance.take(wanted)
-        if self._pull is None or compliance is not before or self._has_left_pull():
+        if len(np.union1d(compliance.numbers, wanted)) > MOST_ADDED and len(compliance.numbers):
+            compliance, wanted = self._factored(), numbers
+        compliance.add(wanted)
+        if self._pull is None or self._has_left_pull():
             self._pull_tip = self._tracker.tip
             self._pull = self._pulls(compliance)
         return compliance.now(numbers, damage, self._pull)
+
+    def _factored(self) -> Compliance:
+        """Return the compliance from factors of the damage of now; no pull is known. Collective."""
+        self.compliance = Compliance(self._domain.equilibrium, self._domain.damage)
+        self._pull = None
+        return self.compliance
 
     def _changed(self, compliance: Compliance, damage: FloatArray) -> IntArray:
         """Return the global numbers of all that softened since the factors were made. Collective."""

@@ -12,7 +12,6 @@ from pearlite_petsc.mechanics.lefm import remote_stress
 from pearlite_petsc.mechanics.loads import element_forces, uniform_stress, williams_mode_one
 from pearlite_petsc.mechanics.springs import spring_stiffness
 from pearlite_petsc.scene import Kind, Scene, State
-from pearlite_petsc.solver.compliance import Compliance
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.part import Part, element_ranges, make_part
 from pearlite_petsc.tessellation.mesh import Mesh
@@ -33,7 +32,6 @@ class Domain:
     Attributes:
         damage: D of this rank's interfaces; (k,).
         failure_cycles: N at which they broke, NaN before, 0 the notch's; (k,).
-        known_compliance: What ``compliance`` made, if it did.
     """
 
     def __init__(
@@ -59,42 +57,15 @@ class Domain:
         self.failure_cycles = self.scatter(failure_cycles)
         self._start = self.damage, self.failure_cycles.copy()
         self.equilibrium = Equilibrium(comm, self.part, self.damage, scene.solver, keep_first)
-        self.known_compliance: Compliance | None = None
 
     def close(self) -> None:
         """Destroy the PETSc objects. Collective."""
-        self.drop_compliance()
-        self.equilibrium.__exit__()
+        self.equilibrium.close()
 
     def restart(self) -> None:
-        """Go back to the damage, preconditioner and factors of the start. Collective."""
+        """Go back to the damage and preconditioner of the start. Collective."""
         self.damage, self.failure_cycles = self._start[0], self._start[1].copy()
         self.equilibrium.restart()
-        if self.known_compliance is not None:
-            self.known_compliance.forget()
-            if self.known_compliance.set_up_damage is not self.damage:
-                self.drop_compliance()
-
-    def compliance(self, damage: FloatArray | None = None) -> Compliance:
-        """Return the compliance of interfaces; the first call makes its factors. Collective.
-
-        Args:
-            damage: Of the factors; None takes the damage of now.
-        """
-        if self.known_compliance is not None and self.known_compliance.is_outdated:
-            self.drop_compliance()
-        if self.known_compliance is None:
-            chosen = self.damage if damage is None else damage
-            self.equilibrium.update(chosen)
-            self.known_compliance = Compliance(self.comm, self.equilibrium, chosen)
-            self.equilibrium.update(self.damage)
-        return self.known_compliance
-
-    def drop_compliance(self) -> None:
-        """Let go of the factors; they are made anew when next asked for. Collective."""
-        if self.known_compliance is not None:
-            self.known_compliance.close()
-            self.known_compliance = None
 
     def law(self, state: State) -> DamageLaw:
         """Return the damage law of this rank's interfaces.

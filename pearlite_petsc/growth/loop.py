@@ -21,7 +21,7 @@ from pearlite_petsc.fatigue.growth_rate import slope
 from pearlite_petsc.fatigue.loose import LooseClusters
 from pearlite_petsc.fatigue.outcome import GrowthState, Outcome, Step, StopReason
 from pearlite_petsc.growth.blocks import Blocks
-from pearlite_petsc.growth.checkpoint import Checkpoint
+from pearlite_petsc.growth.checkpoint import Checkpoint, policy_as_array, policy_from_array
 from pearlite_petsc.growth.coupling import Coupling
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.growth.first_domain import first_domain
@@ -36,6 +36,7 @@ from pearlite_petsc.growth.front import (
 from pearlite_petsc.growth.prepared import Prepared
 from pearlite_petsc.growth.softening_tip import softening_tip
 from pearlite_petsc.scene import Kind, Scene, State
+from pearlite_petsc.solver.equilibrium import EquilibriumState
 from pearlite_petsc.tessellation.build import tessellate
 from pearlite_petsc.tessellation.mesh import Mesh
 from pearlite_petsc.tessellation.zone import FineZone
@@ -187,23 +188,23 @@ class CrackGrowth:
         To be called between steps.
         """
         domain = self.domain
-        solver = domain.equilibrium.memory()
+        solver = domain.equilibrium.state()
         by_interface = self._blocks.by_interface() | {
             "damage": domain.damage,
             "failure_cycles": domain.failure_cycles,
-            "set_up_damage": solver["set_up_damage"],
+            "set_up_damage": solver.set_up_damage,
         }
         factored, coupling = self._coupling.memory()
         if factored is not None:
             by_interface["coupling_damage"] = factored
         arrays: dict[str, NDArray[Any]] = dict(domain.gather_all(by_interface))
-        solutions = self.comm.gather(solver["solution"])
+        solutions = self.comm.gather(solver.solution)
         if solutions is None:
             return None
         follower = self._follower
         arrays |= {
             "solution": np.concatenate(solutions),
-            "reuse": solver["reuse"],
+            "reuse": policy_as_array(solver.policy),
             "history": np.array(self._history, dtype=float),
             "zone_boxes": follower.zone.boxes,
             "zone_discs": follower.zone.discs,
@@ -239,15 +240,13 @@ class CrackGrowth:
         names = self.comm.bcast([name for name in arrays if name.startswith(shared)])
         shares = {name: domain.scatter(arrays.get(name)) for name in names}
         self._blocks.resume(numbers, shares)
-        solver = {
-            "set_up_damage": domain.scatter(arrays.get("set_up_damage")),
-            "solution": self.comm.bcast(arrays.get("solution"))[domain.own],
-            "reuse": small["reuse"],
-        }
-        domain.equilibrium.recall(solver)
+        set_up_damage = domain.scatter(arrays.get("set_up_damage"))
+        solution = self.comm.bcast(arrays.get("solution"))[domain.own]
+        policy = policy_from_array(small["reuse"])
+        domain.equilibrium.restore(EquilibriumState(set_up_damage, solution, policy))
         if "coupling_damage" in shares:
             self._coupling.recall(shares["coupling_damage"], small)
-        self._unknowns = domain.equilibrium.unknowns()
+        self._unknowns = domain.equilibrium.system.unknowns()
         domain.equilibrium.counters.clear()
         self._counters = Counter(counters)
 

@@ -1,66 +1,58 @@
 """Equilibrium of the elements: CG on the distributed matrix, with fallbacks counted."""
 
 from collections import Counter
-from collections.abc import Callable
+from dataclasses import dataclass
 
-import numpy as np
 from mpi4py import MPI
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.errors import SolverError
-from pearlite_petsc.mechanics.kinematics import jumps
 from pearlite_petsc.scene import Solver
-from pearlite_petsc.solver.corrected import Correction, corrected
-from pearlite_petsc.solver.ghosts import GhostExchange
-from pearlite_petsc.solver.krylov import (
-    COMPLIANCE_PREFIX,
-    FALLBACK_PREFIX,
-    PREFIX,
-    direct_settings,
-    factor_settings,
-    make_solver,
-    many_iterations,
-    may_coarsen_less,
-    method_of,
-    multigrid_settings,
-    repeatable_factor_settings,
-    setup_cost,
-    stage,
-)
-from pearlite_petsc.solver.matrix import StiffnessMatrix
+from pearlite_petsc.solver.closing import Closing
+from pearlite_petsc.solver.factors import Factors
 from pearlite_petsc.solver.part import Part
-from pearlite_petsc.solver.petsc import PETSc
-from pearlite_petsc.solver.upward import MOST_UPWARD, WORTH, UpwardCycle, allows_upward
-
-Correct = Callable[[FloatArray], Correction | None]
+from pearlite_petsc.solver.preconditioner import Preconditioner, PreconditionerMaker
+from pearlite_petsc.solver.reuse import ReusePolicy, setup_cost
+from pearlite_petsc.solver.system import LinearSystem
 
 RESIDUAL_LIMIT = 1e-6
 """Largest relative residual that a direct solver may leave."""
 
 
-class Equilibrium:
-    """Solves K x = f while the damage grows. Collective; use as a context manager.
-
-    The preconditioner is kept until the iterations that it costs beyond its first solve add up to
-    the price of a new one, which at worst doubles the best possible cost. The decision counts
-    iterations and not seconds, so that a run repeats itself bit for bit. On one rank, at loose
-    tolerances, solves after the first one of a hierarchy take the upward half of its cycle; where
-    that does not converge, the whole cycle goes on and stays until the next set-up. Where a solve
-    takes many iterations, the next one gets a hierarchy that coarsens less, and so on until the
-    mesh changes or another crack begins.
+@dataclass(frozen=True, slots=True, eq=False)
+class EquilibriumState:
+    """What the next solve depends on beside the damage, on one rank.
 
     Attributes:
-        matrix: K of the current damage.
+        set_up_damage: Damage that the preconditioner was made for; (k,).
+        solution: Last solution on own elements; (own, 3).
+        policy: How long the preconditioner is reused.
+    """
+
+    set_up_damage: FloatArray
+    solution: FloatArray
+    policy: ReusePolicy
+
+
+class Equilibrium(Closing):
+    """Solves K x = f while the damage grows. Collective; close it.
+
+    ``ReusePolicy`` says when the preconditioner is renewed. On one rank, at loose tolerances, solves
+    after the first one of a hierarchy take the upward half of its cycle; where that does not
+    converge, the whole cycle goes on and stays until the next set-up.
+
+    Attributes:
+        system: The equations at the damage of now.
+        policy: When the next preconditioner is made, and how.
         counters: iterations, solves, setups; finer (set-ups that coarsen less); upward (solves by
             half the cycle) and symmetric_again (where that did not converge); multigrid (instead of
             factors that failed), refreshed and direct (fallbacks); unit_loads (back-substitutions
             for the compliance of interfaces).
-        set_up_damage: Damage that the preconditioner was made for; (k,).
 
     Args:
         comm: The ranks.
         part: This rank's share of the mesh.
-        damage: At the start; shape (k,), not changed afterwards.
+        damage: At the start, from now on read-only; shape (k,).
         settings: Method and tolerance.
         keep_first: Whether ``restart`` will be wanted, which keeps the first preconditioner.
     """
@@ -73,55 +65,31 @@ class Equilibrium:
         settings: Solver,
         keep_first: bool = False,
     ) -> None:
-        self.part, self.settings = part, settings
-        self._method = method_of(settings, comm.size, 3 * part.total)
         self.counters: Counter[str] = Counter()
-        self.operator = part.jump_operator()
-        with stage("assemble"):
-            self.matrix = StiffnessMatrix(comm, part, self.operator, damage)
-        self._damage = damage
-        self._comm = comm
-        self._x, self._b = self.matrix.mat.createVecs()
-        self._ghosts = GhostExchange(self._x, part)
-        self._ksp: PETSc.KSP | None = None
-        self._first_ksp: PETSc.KSP | None = None
-        self._correct: Correct | None = None
-        self._upward: UpwardCycle | None = None
-        self._first_damage = damage
-        self._setup_cost = setup_cost(3 * part.total)
-        self._first_iterations = 0
-        self._finer = self._finer_next = False
-        self._set_up()
-        if keep_first:
-            self._first_ksp = self._ksp
+        self.system = LinearSystem(comm, part, damage)
+        self.policy = ReusePolicy(setup_cost(3 * part.total))
+        self._maker = PreconditionerMaker(self.system, settings, self.counters)
+        self._now = self._maker.main(finer=False)
+        self._first = self._now if keep_first else None
+        self._factors: Factors | None = None
 
-    def __enter__(self) -> "Equilibrium":
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self._correct = None
-        if self._upward is not None:
-            self._upward.destroy()
-        for ksp in (self._ksp, self._first_ksp):
-            if ksp is not None:
-                ksp.destroy()
-        self._ghosts.close()
-        self._x.destroy()
-        self._b.destroy()
-        self.matrix.__exit__()
+    def close(self) -> None:
+        """Destroy the PETSc objects. Collective."""
+        if self._factors is not None:
+            self._factors.close()
+        if self._first is not None and self._first.number != self._now.number:
+            self._first.close()
+        self._now.close()
+        self.system.close()
 
     @property
-    def mat(self) -> PETSc.Mat:
-        """The matrix."""
-        return self.matrix.mat
+    def part(self) -> Part:
+        """This rank's share of the mesh."""
+        return self.system.part
 
     def update(self, damage: FloatArray) -> None:
-        """Take the damage of the part's interfaces; shape (k,), not changed afterwards."""
-        if damage is self._damage:
-            return
-        self._damage = damage
-        with stage("assemble"):
-            self.matrix.update(damage)
+        """Take the damage of the part's interfaces, from now on read-only; shape (k,)."""
+        self.system.update(damage)
 
     def solve(self, load: FloatArray, guess: FloatArray | None = None) -> FloatArray:
         """Return the unknowns in equilibrium with the load.
@@ -136,17 +104,26 @@ class Equilibrium:
         Raises:
             SolverError: Neither CG nor a direct solver found the equilibrium.
         """
-        self._b.setArray(self.part.right_hand_side(load))
+        self.system.set_load(load)
         if guess is not None:
-            self._x.setArray(guess[: self.part.own].ravel())
+            self.system.start_from(guess)
         self.counters["solves"] += 1
-        if self._method == "direct":
-            if self.set_up_damage is not self._damage:
-                self._set_up()
-            self._solve_direct(self._ksp)
+        if self._maker.method == "direct":
+            if not self._now.is_current():
+                self.renew()
+            self._solve_direct(self._now)
         else:
             self._solve_iterative()
-        return self.unknowns()
+        return self.system.unknowns()
+
+    def jumps(self, unknowns: FloatArray) -> FloatArray:
+        """Return (normal, tangential, rotational) jump of each interface of the part; (k, 3)."""
+        return self.system.jumps(unknowns)
+
+    def renew(self) -> None:
+        """Make the preconditioner anew, for the damage of now. Collective."""
+        self._take_up(self._maker.main(self.policy.is_finer))
+        self.policy = self.policy.renewed()
 
     def restart(self) -> None:
         """Go back to the damage and preconditioner of the start and to a zero guess. Collective.
@@ -154,208 +131,116 @@ class Equilibrium:
         Only where ``keep_first`` was given. The preconditioner counts as set up, so that the
         counters do not tell which crack of a mesh was the first.
         """
-        assert self._first_ksp is not None
-        self.update(self._first_damage)
-        self._x.set(0.0)
+        assert self._first is not None
+        self.update(self._first.damage)
+        self.system.x.set(0.0)
         self.counters.clear()
         self.counters["setups"] = 1
-        self._finer = self._finer_next = False
-        self._take_up(self._first_ksp)
+        self._take_up(self._first)
+        self.policy = ReusePolicy(self.policy.setup_cost)
 
-    def memory(self) -> dict[str, FloatArray]:
-        """Return what the next solve depends on beside the damage, for a checkpoint.
+    def state(self) -> EquilibriumState:
+        """Return what ``restore`` needs to go on bit for bit."""
+        return EquilibriumState(self._now.damage, self.system.solution(), self.policy)
 
-        The damage of the last set-up (k,), the last solution of own elements (own, 3), and
-        (first iterations, excess, fresh, whether half the cycle pays, whether multigrid coarsens
-        less, whether it will from the next set-up on).
-        """
-        flags = self._fresh, self._upward_pays, self._finer, self._finer_next
-        reuse = (self._first_iterations, self._excess, *flags)
-        state = np.array(reuse, dtype=float)
-        solution = self._x.getArray(readonly=True).reshape(-1, 3).copy()
-        return {"set_up_damage": self.set_up_damage, "solution": solution, "reuse": state}
-
-    def recall(self, memory: dict[str, FloatArray]) -> None:
-        """Go on from a checkpoint: the preconditioner of then, and the solution to start from."""
-        first, excess, *flags = memory["reuse"].tolist()
-        fresh, pays, finer, finer_next = map(bool, flags)
-        damage = self._damage
-        self.update(memory["set_up_damage"])
-        self._finer, self._finer_next = finer, finer_next
-        self._set_up()
+    def restore(self, state: EquilibriumState) -> None:
+        """Go on from a state: the preconditioner of then, and the solution to start from."""
+        damage = self.system.damage
+        self.update(state.set_up_damage)
+        self._take_up(self._maker.main(state.policy.is_finer))
         self.update(damage)
-        self._x.setArray(memory["solution"].ravel())
-        self._first_iterations, self._excess = int(first), excess
-        self._fresh, self._upward_pays = fresh, pays
+        self.system.start_from(state.solution)
+        self.policy = state.policy
 
-    def factors(self) -> PETSc.PC:
-        """Return factors of the matrix as it is, the caller's to destroy. Collective.
+    def factors(self, damage: FloatArray) -> Factors:
+        """Return factors of the matrix at a damage, as long as ``holds`` says so. Collective.
 
-        Where the preconditioner consists of factors on one rank, these, made anew if need be.
-        """
-        if self._own_factors() is not None and not self._is_current():
-            self._set_up()
-        own = self._own_factors()
-        if own is not None:
-            return own
-        settings = repeatable_factor_settings(self._comm.size, 3 * self.part.total)
-        with stage("setup"):
-            ksp = make_solver(self.matrix, settings, 0.5, COMPLIANCE_PREFIX)
-        pc = ksp.getPC()
-        ksp.destroy()
-        return pc
-
-    def correct(self, factors: PETSc.PC, correct: Correct) -> None:
-        """Correct the preconditioner for what softens, if it still consists of these factors.
+        The preconditioner's where it consists of factors on one rank, made anew if need be; else
+        others, which are kept until those of another damage are asked for.
 
         Args:
-            factors: What ``factors`` returned.
-            correct: Damage of the part's interfaces (k,) -> correction.
+            damage: Of the part's interfaces, from now on read-only; (k,).
         """
-        if self.shares(factors):
-            self._correct = correct
+        now = self.system.damage
+        self.update(damage)
+        if self._now.factors is not None and not self._now.is_current():
+            self.renew()
+        found = self._now.factors or self._beside()
+        self.update(now)
+        return found
 
-    def shares(self, factors: PETSc.PC) -> bool:
-        """Return whether the preconditioner consists of these factors."""
-        return bool(self._own_factors() == factors)
+    def holds(self, factors: Factors) -> bool:
+        """Return whether these are still the factors to solve with, by their number."""
+        held = self._now.factors, self._factors
+        return factors.number in {each.number for each in held if each is not None}
 
-    def values(self, vector: PETSc.Vec) -> FloatArray:
-        """Return a vector's values on own elements and ghosts; shape (own + g, 3). Collective."""
-        return self._ghosts.values(vector)
+    def _beside(self) -> Factors:
+        """Return factors of the damage of now beside the preconditioner. Collective."""
+        if self._factors is not None and not self.system.has_damage(self._factors.damage):
+            self._factors.close()
+            self._factors = None
+        self._factors = self._factors or self._maker.factors()
+        return self._factors
 
-    def unknowns(self) -> FloatArray:
-        """Return the last solution on own elements and ghosts [um]; (own + g, 3). Collective."""
-        return self.values(self._x)
-
-    def jumps(self, unknowns: FloatArray) -> FloatArray:
-        """Return (normal, tangential, rotational) jump of each interface of the part; (k, 3)."""
-        i, j = self.part.pairs.T
-        return jumps(self.operator, unknowns[i], unknowns[j])
-
-    def _make_ksp(self, direct: bool, prefix: str = PREFIX) -> PETSc.KSP:
-        self.counters["setups"] += 1
-        tolerance = self.settings.relative_tolerance
-        with stage("setup"):
-            if direct:
-                return make_solver(self.matrix, direct_settings(self._comm.size), tolerance, prefix)
-            if self._method == "factors":
-                settings = factor_settings(self._comm.size, 3 * self.part.total)
-                try:
-                    return make_solver(self.matrix, settings, tolerance, prefix)
-                except SolverError:
-                    self.counters["multigrid"] += 1
-            if self._finer:
-                self.counters["finer"] += 1
-            return make_solver(self.matrix, multigrid_settings(self._finer), tolerance, prefix)
-
-    def _set_up(self) -> None:
-        """Make the preconditioner (or factors) of the current values.
-
-        A new solver each time: what GAMG would keep of the last one (its random vectors) must not
-        decide what a restarted run computes.
-        """
-        self._take_up(self._make_ksp(self._method == "direct"))
-
-    def _own_factors(self) -> PETSc.PC | None:
-        """Return the preconditioner if it consists of factors on one rank."""
-        if self._comm.size > 1 or self._method != "factors" or self._ksp is None:
-            return None
-        pc = self._ksp.getPC()
-        return pc if pc.getType() == PETSc.PC.Type.CHOLESKY else None
-
-    def _take_up(self, ksp: PETSc.KSP) -> None:
-        """Solve with this preconditioner, which was made for the current damage, from now on."""
-        if self._ksp is not None and self._ksp not in (ksp, self._first_ksp):
-            self._ksp.destroy()
-        if self._upward is not None:
-            self._upward.destroy()
-        self._ksp = ksp
-        self._correct = None
-        allowed = allows_upward(ksp, PREFIX, self.settings.relative_tolerance)
-        self._upward = UpwardCycle(ksp, PREFIX) if allowed else None
-        self.set_up_damage = self._damage
-        self._fresh = self._upward_pays = True
-        self._excess = 0.0
+    def _take_up(self, preconditioner: Preconditioner) -> None:
+        """Solve with another preconditioner from now on."""
+        first = self._first
+        if first is None or self._now.number != first.number:
+            self._now.close()
+        elif first.factors is not None:
+            # What has softened since is not what softens in the next crack.
+            first.factors.woodbury = None
+        self._now = preconditioner
 
     def _solve_iterative(self) -> None:
-        if self._excess > self._setup_cost:
-            self._finer = self._finer_next
-            self._set_up()
-        start = self._x.getArray().copy()
-        before = 0
-        if self._upward_pays and not self._fresh and self._first_iterations <= WORTH * MOST_UPWARD:
-            before, converged = self._run_upward()
-            if converged:
-                self._excess += max(0.0, WORTH * before - self._first_iterations)
-                return
-        correction = None if self._correct is None else self._correct(self._damage)
-        with corrected(self._ksp, correction):
-            iterations, reason = self._run(self._ksp)
-        if reason < 0 and not self._is_current():
+        if self.policy.is_worn:
+            self.policy = self.policy.worn_out()
+            self.renew()
+        start = self.system.solution()
+        in_vain, converged = self._try_half_cycle()
+        if converged:
+            return
+        iterations, reason = self._run(self._now)
+        if reason < 0 and not self._now.is_current():
             self.counters["refreshed"] += 1
-            self._set_up()
-            self._x.setArray(start)
-            iterations, reason = self._run(self._ksp)
+            self.renew()
+            self.system.start_from(start)
+            iterations, reason = self._run(self._now)
         if reason < 0:
             self.counters["direct"] += 1
-            self._excess = np.inf
-            ksp = self._make_ksp(True, FALLBACK_PREFIX)
-            try:
-                self._solve_direct(ksp)
-            finally:
-                ksp.destroy()
+            self.policy = self.policy.after_direct_solve()
+            with self._maker.fallback() as fallback:
+                self._solve_direct(fallback)
             return
-        self._judge(before, iterations)
-
-    def _judge(self, before: int, iterations: int) -> None:
-        """Decide when and how the next preconditioner is made, by the iterations of a solve.
-
-        Args:
-            before: Of half the cycle in vain.
-            iterations: After them.
-        """
         # Factors solve at once what they were made for, which is no measure of what follows.
-        if self._fresh and (self._own_factors() is None or not self._is_current()):
-            self._first_iterations, self._fresh = iterations, False
-        if not self._fresh:
-            self._excess += max(0, before + iterations - self._first_iterations)
-        ksp = self._ksp
-        assert ksp is not None
-        many = iterations > many_iterations(ksp.getTolerances()[0])
-        if many and not self._finer_next and may_coarsen_less(ksp):
-            self._finer_next, self._excess = True, np.inf
+        measures = (
+            self._now.factors is None or not self.policy.is_fresh or not self._now.is_current()
+        )
+        self.policy = self.policy.after_whole_cycle(iterations, in_vain, measures)
+        tolerance = self._now.relative_tolerance
+        if self.policy.coarsens_too_much(iterations, tolerance) and self._now.may_coarsen_less:
+            self.policy = self.policy.to_coarsen_less()
 
-    def _run_upward(self) -> tuple[int, bool]:
-        if self._upward is None:
+    def _try_half_cycle(self) -> tuple[int, bool]:
+        """Return the iterations with half the cycle, 0 without, and whether they did it."""
+        if not self.policy.takes_half_cycle or self._now.half_cycle is None:
             return 0, False
-        with stage("solve"):
-            iterations, converged = self._upward.solve(self._b, self._x)
+        iterations, converged = self._now.solve_by_half_cycle()
         self.counters["iterations"] += iterations
         self.counters["upward" if converged else "symmetric_again"] += 1
-        self._upward_pays = converged
+        self.policy = self.policy.after_half_cycle(iterations, converged)
         return iterations, converged
 
-    def _is_current(self) -> bool:
-        """Whether the preconditioner was made for the current damage. Collective."""
-        same = np.array_equal(self.set_up_damage, self._damage)
-        return bool(self._comm.allreduce(same, MPI.LAND))
-
-    def _solve_direct(self, ksp: PETSc.KSP) -> None:
-        _, reason = self._run(ksp)
-        residual = self._b.duplicate()
-        self.mat.mult(self._x, residual)
-        residual.axpy(-1.0, self._b)
-        relative = residual.norm() / max(self._b.norm(), np.finfo(float).tiny)
-        residual.destroy()
+    def _solve_direct(self, solver: Preconditioner) -> None:
+        _, reason = self._run(solver)
+        relative = self.system.relative_residual()
         if reason < 0 or not relative < RESIDUAL_LIMIT:
             raise SolverError(
                 f"direct solver: reason {reason}, relative residual {relative:.1e} against "
                 f"{RESIDUAL_LIMIT:g}"
             )
 
-    def _run(self, ksp: PETSc.KSP) -> tuple[int, int]:
-        with stage("solve"):
-            ksp.solve(self._b, self._x)
-        iterations = ksp.getIterationNumber()
+    def _run(self, solver: Preconditioner) -> tuple[int, int]:
+        iterations, reason = solver.solve()
         self.counters["iterations"] += iterations
-        return iterations, int(ksp.getConvergedReason())
+        return iterations, reason

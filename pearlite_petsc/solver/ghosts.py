@@ -3,11 +3,12 @@
 import numpy as np
 
 from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.solver.closing import Closing
 from pearlite_petsc.solver.part import Part
 from pearlite_petsc.solver.petsc import PETSc
 
 
-class GhostExchange:
+class GhostExchange(Closing):
     """Brings the unknowns of the ghosts from their owners. Collective; close it when done.
 
     Args:

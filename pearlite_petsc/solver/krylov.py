@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from math import log10
-from sys import float_info
 
 from pearlite_petsc.errors import SolverError
 from pearlite_petsc.scene import Solver
@@ -49,9 +47,6 @@ MOST_AUTO_FACTORS = 3e4
 """Unknowns up to which ``auto`` takes old factors on one rank: their solves cost a third of GAMG's
 at 1e4 and as much at 1e5, their set-up nearly twice as much there (``bench solver``).
 """
-
-SETUP_COST: tuple[tuple[float, float], ...] = ((3e3, 25.0), (1e4, 19.0), (1e5, 14.0), (1e6, 12.0))
-"""(unknowns, cost of a new preconditioner in iterations), as ``bench solver`` measures it."""
 
 
 def method_of(settings: Solver, ranks: int, unknowns: int) -> str:
@@ -133,20 +128,10 @@ def _has(package: str) -> bool:
     return bool(PETSc.Sys.hasExternalPackage(package))
 
 
-def many_iterations(relative_tolerance: float) -> float:
-    """Return beyond how many iterations smaller aggregates pay; good ones take 2.5 a digit."""
-    return 4.0 - 2.5 * log10(max(relative_tolerance, float_info.epsilon))
-
-
 def may_coarsen_less(ksp: PETSc.KSP) -> bool:
     """Return whether the solver is multigrid and its user leaves the size of aggregates to us."""
     given = {name.removeprefix(PREFIX) for name in PETSc.Options().getAll()}
     return ksp.getPC().getType() == PETSc.PC.Type.GAMG and given.isdisjoint(AGGREGATES)
-
-
-def setup_cost(unknowns: int) -> float:
-    """Return what a new preconditioner costs in iterations, by the number of unknowns."""
-    return next((cost for size, cost in SETUP_COST if unknowns <= size), SETUP_COST[-1][1])
 
 
 @contextmanager

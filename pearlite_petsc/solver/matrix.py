@@ -6,6 +6,7 @@ from scipy.sparse import bsr_array
 
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.mechanics.kinematics import rigid_modes
+from pearlite_petsc.solver.closing import Closing
 from pearlite_petsc.solver.options import default_options
 from pearlite_petsc.solver.part import Part
 from pearlite_petsc.solver.petsc import PETSc
@@ -33,14 +34,12 @@ _CHUNK = 4096
 """Interfaces at a time that stay in a core's cache."""
 
 
-class StiffnessMatrix:
+class StiffnessMatrix(Closing):
     """K = sum of B^T diag((1 - D) k) B over interfaces, grounding and supports. Collective.
 
     Every value is a function of the current damage alone: an update sums the blocks that the
     changed interfaces touch anew and inserts them, so that nothing drifts, an interface with D = 1
     adds exactly nothing, and a restarted run has the same matrix bit for bit.
-
-    Use as a context manager; leaving it destroys the PETSc objects.
 
     Attributes:
         mat: K of the current damage, with the rigid modes as near-null-space.
@@ -71,10 +70,8 @@ class StiffnessMatrix:
         self._near_null_space = self._rigid_modes(comm)
         self.mat.setNearNullSpace(self._near_null_space)
 
-    def __enter__(self) -> "StiffnessMatrix":
-        return self
-
-    def __exit__(self, *exc: object) -> None:
+    def close(self) -> None:
+        """Destroy the PETSc objects. Collective."""
         self._near_null_space.destroy()
         self.mat.destroy()
 

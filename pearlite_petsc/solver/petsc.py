@@ -1,8 +1,8 @@
-"""PETSc, started by whatever imports it first."""
+"""PETSc, initialized by whatever imports it first."""
 
-from pearlite_petsc.solver.start import start_petsc
+from pearlite_petsc.solver.initialize import initialize_petsc
 
-start_petsc([])
+initialize_petsc([])
 
 from petsc4py import PETSc  # noqa: E402
 

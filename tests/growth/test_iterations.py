@@ -6,7 +6,7 @@ from mpi4py import MPI
 from pearlite_petsc.config import load_scene_text
 from pearlite_petsc.growth.loop import CrackGrowth
 from pearlite_petsc.growth.prepared import prepare_growth
-from pearlite_petsc.solver import equilibrium
+from pearlite_petsc.solver import reuse
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from tests.scenes import STATES
 
@@ -42,7 +42,7 @@ def test_no_solve_on_the_way_takes_more_than_forty(monkeypatch: pytest.MonkeyPat
 def test_supports_keep_bad_aggregates_from_moving_the_whole_body(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(equilibrium, "many_iterations", lambda _: 1e3)
+    monkeypatch.setattr(reuse, "many_iterations", lambda _: 1e3)
     iterations, counters = iterations_along_a_crack(monkeypatch)
     assert "finer" not in counters
     assert max(iterations) < 80

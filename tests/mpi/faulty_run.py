@@ -18,16 +18,16 @@ def main() -> int:
         start = run._start
 
         def faulty(*arguments: Any) -> int:
-            from pearlite_petsc.solver import start as petsc
+            from pearlite_petsc.solver import initialize as petsc
 
-            starting = petsc.start_petsc
+            starting = petsc.initialize_petsc
 
             def start_and_patch(options: Any) -> None:
-                petsc.start_petsc = starting
+                petsc.initialize_petsc = starting
                 starting(options)
                 patch()
 
-            petsc.start_petsc = start_and_patch
+            petsc.initialize_petsc = start_and_patch
             return start(*arguments)
 
         run._start = faulty

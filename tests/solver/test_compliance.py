@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.growth.prepared import prepare_growth
 from pearlite_petsc.scene import Kind
+from pearlite_petsc.solver.compliance import Compliance
 from tests.scenes import STATES, default_scene
 
 SCENE = default_scene(
@@ -31,11 +32,11 @@ def near_the_notch(domain: Domain, count: int) -> np.ndarray:
 
 def dense(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
     """Return the matrix of now and the rows B of all interfaces."""
-    part, operator = domain.part, domain.equilibrium.operator
+    part, operator = domain.part, domain.equilibrium.system.operator
     rows = np.zeros((len(operator), 3, 3 * part.own))
     for number, pair in enumerate(part.pairs):
         rows[number][:, (3 * pair[:, None] + np.arange(3)).ravel()] = operator[number]
-    offsets, columns, values = domain.equilibrium.mat.getValuesCSR()
+    offsets, columns, values = domain.equilibrium.system.matrix.mat.getValuesCSR()
     return csr_array((values, columns, offsets)).toarray(), rows
 
 
@@ -43,11 +44,11 @@ def dense(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
 def test_compliance_and_response_are_those_of_dense_algebra(method: str) -> None:
     domain = domain_of(method)
     chosen = near_the_notch(domain, 6)
-    compliance = domain.compliance()
-    compliance.take(chosen[[1, 3]])
-    compliance.take(chosen)
-    assert sorted(compliance.taken.tolist()) == chosen.tolist()
-    assert compliance.taken[:2].tolist() == chosen[[1, 3]].tolist()
+    compliance = Compliance(domain.equilibrium, domain.damage)
+    compliance.add(chosen[[1, 3]])
+    compliance.add(chosen)
+    assert sorted(compliance.numbers.tolist()) == chosen.tolist()
+    assert compliance.numbers[:2].tolist() == chosen[[1, 3]].tolist()
     damage = domain.damage.copy()
     damage[chosen] = [1.0, 0.6, 0.0, 0.3, 0.9, 0.05]
     load = domain.load(12e3, PREPARED.mesh.notch)
@@ -69,18 +70,17 @@ def test_compliance_and_response_are_those_of_dense_algebra(method: str) -> None
 def test_what_is_taken_in_the_same_batches_has_the_same_bits() -> None:
     domain = domain_of("factors")
     chosen = near_the_notch(domain, 5)
-    compliance = domain.compliance()
     empty = np.empty((len(domain.damage), 3, 0))
     found = []
     for _ in range(2):
-        compliance.forget()
-        compliance.take(chosen[:3])
-        compliance.take(chosen)
+        compliance = Compliance(domain.equilibrium, domain.damage)
+        compliance.add(chosen[:3])
+        compliance.add(chosen)
         assert compliance.batch.tolist() == [0, 0, 0, 1, 1]
         found.append(compliance.now(chosen, domain.damage, empty)[0])
     assert np.array_equal(*found)
-    compliance.forget()
-    compliance.take(chosen)
+    compliance = Compliance(domain.equilibrium, domain.damage)
+    compliance.add(chosen)
     at_once, _ = compliance.now(chosen, domain.damage, empty)
     assert np.abs(at_once - found[0]).max() < 1e-9 * np.abs(at_once).max()
     assert np.abs(at_once - at_once.T).max() < 1e-9 * np.abs(at_once).max()
@@ -92,7 +92,7 @@ def test_factors_corrected_for_what_was_taken_solve_at_once() -> None:
     equilibrium, chosen = domain.equilibrium, near_the_notch(domain, 6)
     load = domain.load(12e3, PREPARED.mesh.notch)
     equilibrium.solve(load)
-    domain.compliance().take(chosen)
+    Compliance(domain.equilibrium, domain.damage).add(chosen)
     damage = domain.damage.copy()
     damage[chosen] = [1.0, 0.6, 0.2, 0.3, 0.9, 0.05]
     equilibrium.update(damage)
@@ -109,45 +109,61 @@ def test_factors_corrected_for_what_was_taken_solve_at_once() -> None:
 def test_large_bodies_are_solved_for_in_small_batches(monkeypatch: pytest.MonkeyPatch) -> None:
     domain = domain_of("factors")
     chosen = near_the_notch(domain, 5)
-    compliance = domain.compliance()
+    compliance = Compliance(domain.equilibrium, domain.damage)
     empty = np.empty((len(domain.damage), 3, 0))
-    compliance.take(chosen)
+    compliance.add(chosen)
     at_once, _ = compliance.now(chosen, domain.damage, empty)
-    compliance.forget()
+    compliance = Compliance(domain.equilibrium, domain.damage)
     monkeypatch.setattr("pearlite_petsc.solver.compliance.MOST_AT_ONCE", 18 * domain.part.total)
-    compliance.take(chosen)
+    compliance.add(chosen)
     assert compliance.batch.tolist() == [0, 0, 1, 1, 2]
     in_batches, _ = compliance.now(chosen, domain.damage, empty)
     assert np.abs(in_batches - at_once).max() < 1e-9 * np.abs(at_once).max()
     domain.close()
 
 
-def test_compliance_of_older_factors_is_made_anew() -> None:
+def test_compliance_is_outdated_once_the_preconditioner_has_newer_factors() -> None:
     domain = domain_of("factors")
     chosen = near_the_notch(domain, 3)
-    first = domain.compliance()
-    first.take(chosen)
+    first = Compliance(domain.equilibrium, domain.damage)
+    first.add(chosen)
+    assert not first.is_outdated
     damage = domain.damage.copy()
     damage[chosen] = 0.5
-    domain.damage = damage
-    domain.equilibrium.update(damage)
-    domain.equilibrium.factors()
-    assert first.is_outdated
-    second = domain.compliance()
-    assert second is not first and not second.is_outdated
-    assert second.set_up_damage is damage and not len(second.taken)
+    second = Compliance(domain.equilibrium, damage)
+    assert first.is_outdated and not second.is_outdated
+    assert np.array_equal(second.set_up_damage, damage) and not len(second.numbers)
     domain.close()
 
 
-def test_a_restarted_domain_keeps_factors_of_its_start_alone() -> None:
-    domain = Domain(MPI.COMM_SELF, SCENE, PREPARED.mesh, PREPARED.ratio, keep_first=True)
-    first = domain.compliance()
-    first.take(near_the_notch(domain, 2))
+@pytest.mark.parametrize("method", ["iterative", "factors"])
+def test_factors_of_the_start_are_kept_for_the_next_crack_of_a_mesh(method: str) -> None:
+    solver = replace(SCENE.solver, method=method)  # type: ignore[arg-type]
+    scene = replace(SCENE, solver=solver)
+    domain = Domain(MPI.COMM_SELF, scene, PREPARED.mesh, PREPARED.ratio, keep_first=True)
+    equilibrium = domain.equilibrium
+    first = equilibrium.factors(domain.damage)
     domain.restart()
-    assert domain.compliance() is first and not len(first.taken)
-    domain.drop_compliance()
-    domain.damage = np.where(domain.part.kind == Kind.NOTCH, 1.0, 0.1)
-    domain.compliance()
+    assert equilibrium.factors(domain.damage).number == first.number
+    # Equal values, and another array.
+    assert equilibrium.factors(domain.damage.copy()).number == first.number
+    softened = equilibrium.factors(np.where(domain.part.kind == Kind.NOTCH, 1.0, 0.1))
+    assert softened.number > first.number
+    assert equilibrium.holds(softened) and not equilibrium.holds(first)
     domain.restart()
-    assert domain.known_compliance is None
+    again = equilibrium.factors(domain.damage)
+    assert np.array_equal(again.damage, domain.damage)
+    assert (again.number == first.number) == (method == "factors")
+    domain.close()
+
+
+def test_a_softened_interface_of_one_crack_corrects_nothing_in_the_next() -> None:
+    solver = replace(SCENE.solver, method="factors")
+    scene = replace(SCENE, solver=solver)
+    domain = Domain(MPI.COMM_SELF, scene, PREPARED.mesh, PREPARED.ratio, keep_first=True)
+    Compliance(domain.equilibrium, domain.damage).add(near_the_notch(domain, 2))
+    factors = domain.equilibrium.factors(domain.damage)
+    assert factors.woodbury is not None
+    domain.restart()
+    assert domain.equilibrium.factors(domain.damage) is factors and factors.woodbury is None
     domain.close()

@@ -218,25 +218,25 @@ def test_broken_interfaces_add_nothing_and_leave_the_ground_and_three_supports()
     assert share == pytest.approx(matrix.GROUNDING, rel=0.01)
 
 
-def test_many_iterations_let_the_hierarchies_that_follow_coarsen_less_also_when_recalled() -> None:
+def test_many_iterations_let_the_hierarchies_that_follow_coarsen_less_also_when_restored() -> None:
     material = Material(206e3, 0.333, "raje")
     broken = none_broken(RANDOM)
     with equilibrium_of(RANDOM, broken, material, tolerance=1e-9) as equilibrium:
         load = forces(RANDOM, equilibrium)
         iterations = []
         for times in (1.0, -1.0):
-            before, early = equilibrium.counters["iterations"], equilibrium.memory()
+            before, early = equilibrium.counters["iterations"], equilibrium.state()
             found = equilibrium.solve(times * load)
             iterations.append(equilibrium.counters["iterations"] - before)
         assert equilibrium.counters["finer"] == 1
         assert equilibrium.counters["setups"] == 2
         assert iterations[1] < 0.9 * iterations[0]
-        memory = equilibrium.memory()
+        memory = equilibrium.state()
         wanted = equilibrium.solve(1.1 * load)
         assert equilibrium.counters["setups"] == 2
     for remembered, times, solution in ((memory, 1.1, wanted), (early, -1.0, found)):
         with equilibrium_of(RANDOM, broken, material, tolerance=1e-9) as again:
-            again.recall(remembered)
+            again.restore(remembered)
             assert np.array_equal(again.solve(times * load), solution)
 
 

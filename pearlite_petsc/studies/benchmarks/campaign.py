@@ -203,15 +203,15 @@ def sample(scene: Scene, tasks: int) -> list[tuple[Scene, Plan]]:
 @contextmanager
 def new_hierarchies() -> Iterator[None]:
     """Make a new hierarchy for every solve."""
-    from pearlite_petsc.solver import krylov
+    from pearlite_petsc.solver import reuse
 
-    kept = krylov.SETUP_COST
+    kept = reuse.SETUP_COST
     # No key of a scene: only the baseline asks for it.
-    krylov.SETUP_COST = ((float("inf"), -1.0),)
+    reuse.SETUP_COST = ((float("inf"), -1.0),)
     try:
         yield
     finally:
-        krylov.SETUP_COST = kept
+        reuse.SETUP_COST = kept
 
 
 def grown(plans: list[tuple[Scene, Plan]], overrides: tuple[str, ...]) -> Cracks:

@@ -130,16 +130,16 @@ class WithPetsc:
 
     def set_up(self) -> None:
         """Make the preconditioner anew. Collective."""
+        from pearlite_petsc.solver.half_cycle import HalfCycle, allows_half_cycle
         from pearlite_petsc.solver.krylov import PREFIX, make_solver
-        from pearlite_petsc.solver.upward import UpwardCycle, allows_upward
 
         for old in (self._upward, self._ksp):
             if old is not None:
-                old.destroy()
+                (old.close if old is self._upward else old.destroy)()
         self._ksp = make_solver(self._matrix, self._settings, FIRST_TOLERANCE)
         self._upward = None
-        if self._halves and allows_upward(self._ksp, PREFIX, WARM_TOLERANCE):
-            self._upward = UpwardCycle(self._ksp, PREFIX)
+        if self._halves and allows_half_cycle(self._ksp, PREFIX, WARM_TOLERANCE):
+            self._upward = HalfCycle(self._ksp, PREFIX)
 
     def solve(self, load: FloatArray, tolerance: float, warm: bool) -> int:
         """Solve, from the last solution if warm; return the iterations. Collective."""

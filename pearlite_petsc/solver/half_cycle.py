@@ -3,8 +3,10 @@
 from collections.abc import Callable
 from math import log
 
+from pearlite_petsc.solver.closing import Closing
 from pearlite_petsc.solver.options import prefixed_options
 from pearlite_petsc.solver.petsc import PETSc
+from pearlite_petsc.solver.reuse import MOST_HALF_CYCLES
 
 SUFFIX = "upward_"
 
@@ -18,9 +20,6 @@ UPWARD = {
 LEAST_TOLERANCE = 1e-7
 """Relative tolerance below which the whole cycle is as fast: its iterations keep their rate."""
 
-MOST_UPWARD = 30
-"""Iterations after which the whole cycle goes on."""
-
 PATIENCE = 12
 """Iterations from which it goes on at once where the rate so far would need more than the most.
 
@@ -29,18 +28,15 @@ Both together then stay below 40 iterations where the whole cycle alone takes up
 
 _THEIRS = ("ksp_type", "ksp_norm", "ksp_conv", "ksp_error", "pc_mg_type")
 
-WORTH = 0.75
-"""What an iteration reduces in iterations of the whole cycle; it costs 0.6 of one."""
 
-
-class UpwardCycle:
+class HalfCycle(Closing):
     """Flexible CG with the upward half of another solver's multigrid cycle.
 
     The residual is restricted without smoothing, and smoothed on the way up alone. The hierarchy
     is shared, and the whole cycle is back in place after each solve.
 
     Args:
-        ksp: Of which ``allows_upward`` holds.
+        ksp: Of which ``allows_half_cycle`` holds.
         prefix: Of its options.
     """
 
@@ -53,8 +49,8 @@ class UpwardCycle:
             self._ksp.setFromOptions()
         self._ksp.setInitialGuessNonzero(True)
 
-    def destroy(self) -> None:
-        """Free what is not the other solver's."""
+    def close(self) -> None:
+        """Destroy what is not the other solver's. Collective."""
         self._ksp.destroy()
 
     def solve(self, load: PETSc.Vec, x: PETSc.Vec) -> tuple[int, bool]:
@@ -69,7 +65,7 @@ class UpwardCycle:
             Iterations, and whether it converged.
         """
         relative, absolute, divergence, most = self._whole.getTolerances()
-        self._ksp.setTolerances(relative, absolute, divergence, min(most, MOST_UPWARD))
+        self._ksp.setTolerances(relative, absolute, divergence, min(most, MOST_HALF_CYCLES))
         self._ksp.setConvergenceTest(_until(max(relative * load.norm(), absolute)))
         start = x.copy()
         pc = self._ksp.getPC()
@@ -98,14 +94,14 @@ def _until(target: float) -> Callable[[PETSc.KSP, int, float], int | None]:
             first = norm
         elif iteration >= PATIENCE:
             share = log(first / norm) / log(first / target) if target > 0.0 else 0.0
-            if share < iteration / MOST_UPWARD:
+            if share < iteration / MOST_HALF_CYCLES:
                 return int(reasons.DIVERGED_MAX_IT)
         return None
 
     return test
 
 
-def allows_upward(ksp: PETSc.KSP, prefix: str, tolerance: float) -> bool:
+def allows_half_cycle(ksp: PETSc.KSP, prefix: str, tolerance: float) -> bool:
     """Return whether half of a solver's cycle pays and its user leaves the choice to us.
 
     On several ranks, which smooth each its own part alone, it does not: half the cycle takes half as

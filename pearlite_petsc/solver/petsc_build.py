@@ -1,28 +1,15 @@
-"""Start of PETSc with the user's options, and what it was built as."""
+"""What PETSc was built as, for the record of a run."""
 
 import re
-from collections.abc import Sequence
 from pathlib import Path
 
 import petsc4py
 
-
-def start_petsc(options: Sequence[str]) -> None:
-    """Initialise PETSc; does nothing once it is. Collective over all ranks.
-
-    PETSc's own signal handler is left out: a signal asks the program to stop, it is no crash, and
-    a reader of the output who has gone (SIGPIPE) must not end all ranks.
-
-    Args:
-        options: PETSc options as on a command line.
-    """
-    petsc4py.init(["pearlite_petsc", *options, "-no_signal_handler"])
+from pearlite_petsc.solver.petsc import PETSc
 
 
 def petsc_facts() -> dict[str, str]:
     """Return PETSc's version, size of integers, folder and configure line (empty if unknown)."""
-    from pearlite_petsc.solver.petsc import PETSc
-
     config = petsc4py.get_config()
     return {
         "petsc": ".".join(map(str, PETSc.Sys.getVersion())),

@@ -11,9 +11,10 @@ from pearlite_petsc.mechanics import statics
 from pearlite_petsc.mechanics.springs import spring_stiffness
 from pearlite_petsc.scene import Kind, Material
 from pearlite_petsc.solver import equilibrium as equilibrium_module
+from pearlite_petsc.solver import reuse
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.petsc import PETSc
-from pearlite_petsc.solver.upward import MOST_UPWARD
+from pearlite_petsc.solver.reuse import MOST_HALF_CYCLES
 from tests.solver.test_equilibrium import (
     INNER,
     NOTCHED,
@@ -64,7 +65,7 @@ def given_up() -> Iterator[Equilibrium]:
 def kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """Keep every hierarchy."""
     monkeypatch.setattr(equilibrium_module, "setup_cost", lambda _: 1e9)
-    monkeypatch.setattr(equilibrium_module, "many_iterations", lambda _: 1e9)
+    monkeypatch.setattr(reuse, "many_iterations", lambda _: 1e9)
 
 
 @pytest.mark.usefixtures("kept")
@@ -80,8 +81,7 @@ def test_solves_after_a_break_take_half_the_cycle_and_are_right() -> None:
             assert 0 < equilibrium.counters["iterations"] - before <= 40
         assert equilibrium.counters["upward"] == 3
         assert "symmetric_again" not in equilibrium.counters
-        assert equilibrium._ksp is not None
-        assert equilibrium._ksp.getPC().getMGType() == PETSc.PC.MGType.MULTIPLICATIVE
+        assert equilibrium._now._ksp.getPC().getMGType() == PETSc.PC.MGType.MULTIPLICATIVE
     exact = statics.solve(NOTCHED, spring_stiffness(NOTCHED, STEEL), damage == 1.0, PULL)
     error = np.abs(found - exact.traction)[damage < 1.0].max()
     assert error < 1e-3 * np.abs(exact.traction).max()
@@ -94,10 +94,9 @@ def test_half_a_cycle_that_stalls_gives_way_early_and_for_the_rest_of_the_hierar
         assert equilibrium.counters["symmetric_again"] == 1
         assert not {"upward", "refreshed", "direct"} & {*equilibrium.counters}
         load = forces(RANDOM, equilibrium)
-        assert equilibrium._upward is not None
-        equilibrium._x.set(0.0)
-        iterations, converged = equilibrium._upward.solve(equilibrium._b, equilibrium._x)
-        assert not converged and iterations < MOST_UPWARD
+        equilibrium.system.x.set(0.0)
+        iterations, converged = equilibrium._now.solve_by_half_cycle()
+        assert not converged and iterations < MOST_HALF_CYCLES
         found = tractions(equilibrium, -load)
         assert equilibrium.counters["symmetric_again"] == 1
         assert not {"upward", "refreshed", "direct"} & {*equilibrium.counters}
@@ -143,19 +142,19 @@ def going_on() -> Iterator[Equilibrium]:
 
 @pytest.mark.usefixtures("kept")
 @pytest.mark.parametrize("pays", [True, False])
-def test_a_recalled_solver_takes_the_same_cycle_and_repeats_bit_for_bit(pays: bool) -> None:
+def test_a_restored_solver_takes_the_same_cycle_and_repeats_bit_for_bit(pays: bool) -> None:
     mesh, tolerance = (NOTCHED, COARSE) if pays else (RANDOM, TOLERANCE)
     damage = next(breaks(1)) if pays else a_fifth().astype(float)
     with going_on() if pays else given_up() as equilibrium:
         load = 1.1 * forces(mesh, equilibrium)
-        memory = equilibrium.memory()
+        state = equilibrium.state()
         equilibrium.counters.clear()
         wanted = equilibrium.solve(load)
         counters = equilibrium.counters
     assert ("upward" in counters) == pays
     assert "symmetric_again" not in counters
     with equilibrium_of(mesh, damage == 1.0, tolerance=tolerance) as again:
-        again.recall(memory)
+        again.restore(state)
         again.counters.clear()
         assert np.array_equal(again.solve(load), wanted)
         assert again.counters == counters
