@@ -3,35 +3,17 @@
 from dataclasses import replace
 from typing import Literal
 
-from pearlite_petsc.scene import (
-    CycleJump,
-    Damage,
-    Elements,
-    Ensemble,
-    Loading,
-    Material,
-    Microstructure,
-    Output,
-    Scene,
-    Shear,
-    Solver,
-    Springs,
-    State,
-    Window,
-)
+from pearlite_petsc.config import load_scene_text
+from pearlite_petsc.scene import Material, Scene, Shear, Springs, Window
 
-STEEL = Material(206e3, 0.3, "homogeneous")
+_DEFAULT = load_scene_text("", "verification", ["damage.law=objective"])
 
-STATES = {
-    "undeformed": State("undeformed", 0.0, "AT", 470.0, 5000.0),
-    "moderate_AT": State("moderate_AT", 2.0, "AT", 616.0, 4000.0),
-    "severe_AT": State("severe_AT", 30.0, "AT", 1024.0, 2300.0),
-    "moderate_TA": State("moderate_TA", 2.0, "TA", 616.0, 4000.0),
-    "severe_TA": State("severe_TA", 30.0, "TA", 1024.0, 2300.0),
-}
+STEEL = _DEFAULT.material
+
+STATES = {state.name: state for state in _DEFAULT.states}
 """The source's five states."""
 
-DAMAGE = Damage("objective", 4.41e-9, 30.0, 0.3, 20e3, "effective", "tip", 0.99)
+DAMAGE = _DEFAULT.damage
 
 
 def steel(springs: Springs) -> Material:
@@ -48,7 +30,7 @@ def scene_of(
     seed: int = 1,
     extension: float = 60.0,
 ) -> Scene:
-    """Return a scene of the source's microstructure.
+    """Return a scene of the source's microstructure; what is not said here is the default.
 
     Args:
         window: Width, height and notch [um].
@@ -57,17 +39,22 @@ def scene_of(
         seed: Of the microstructure.
         extension: Wanted growth [um].
     """
-    return Scene(
-        name="verification",
-        microstructure=Microstructure(60.0, 30.0, 15.0, seed),
+    width, length = size
+    elements = replace(
+        _DEFAULT.elements,
+        width=width,
+        length=length,
+        shear=shear,
+        refinement=refinement,
+        radius=max(18.0, 6.0 * width),
+    )
+    return replace(
+        _DEFAULT,
+        microstructure=replace(_DEFAULT.microstructure, seed=seed),
         window=Window(*window),
-        elements=Elements(*size, 30.0, 0.08, 8.0, shear, refinement, max(18.0, 6.0 * size[0])),
+        elements=elements,
         material=steel(springs),
-        states=tuple(STATES.values()),
-        damage=DAMAGE,
-        loading=Loading("k_field", "K", (2e4,), 0.1, extension),
-        cycle_jump=CycleJump("compliance", 0.9, 0.02),
-        solver=Solver("direct", 1e-10, 20000),
-        ensemble=Ensemble(1, 1),
-        output=Output("none", 1, False, None),
+        loading=replace(_DEFAULT.loading, delta_k=(2e4,), extension=extension),
+        cycle_jump=replace(_DEFAULT.cycle_jump, delta_d=0.9),
+        solver=replace(_DEFAULT.solver, method="direct", relative_tolerance=1e-10),
     )
