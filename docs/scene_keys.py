@@ -6,8 +6,11 @@
 import sys
 from collections.abc import Iterable
 
-from pearlite_petsc.config.keys import SOURCE_STATES, STATE_KEYS, TABLES, Key
+from pearlite_petsc.config.keys import TABLES
+from pearlite_petsc.config.states import SOURCE_STATES, STATE_KEYS
 from pearlite_petsc.config.values import show
+from pearlite_petsc.laws.key import Key
+from pearlite_petsc.laws.law import Law
 
 HEAD = """# Scene keys
 
@@ -25,6 +28,7 @@ def main() -> int:
         if table.name == "damage":
             parts.append(_states())
         parts.append(_section(table.name, table.help, table.keys))
+        parts += [_parameters(law) for law in table.laws if law.parameters]
     sys.stdout.write("\n".join(parts))
     return 0
 
@@ -33,9 +37,17 @@ def _section(name: str, help: str, keys: Iterable[Key]) -> str:
     lines = [f"## [{name}]", ""]
     if help:
         lines += [f"{help[0].upper()}{help[1:]}.", ""]
-    lines += ["| key | default | allowed | meaning |", "|---|---|---|---|"]
-    lines += [f"| `{k.name}` | {_default(k)} | {_allowed(k)} | {k.help} |" for k in keys]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_rows(keys)]) + "\n"
+
+
+def _parameters(law: Law) -> str:
+    chosen = f'With `{law.key} = "{law.name}"`, also in `[{law.table}]`:'
+    return "\n".join([chosen, "", *_rows(law.parameters)]) + "\n"
+
+
+def _rows(keys: Iterable[Key]) -> list[str]:
+    lines = ["| key | default | allowed | meaning |", "|---|---|---|---|"]
+    return lines + [f"| `{k.name}` | {_default(k)} | {_allowed(k)} | {k.help} |" for k in keys]
 
 
 def _states() -> str:

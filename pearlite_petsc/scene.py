@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Literal
 
+from pearlite_petsc.laws.damage import DamageLaw
+
 Springs = Literal["homogeneous", "matched", "raje"]
 Orientation = Literal["AT", "TA"]
-DamageLaw = Literal["objective", "printed"]
 DrivingStress = Literal["effective", "nominal"]
 Threshold = Literal["tip", "remote"]
 LoadKind = Literal["k_field", "edge_crack"]

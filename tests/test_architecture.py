@@ -1,7 +1,8 @@
 """The layers of the package, read from its imports: nothing points back, each library in its place.
 
-Layers from bottom to top: types; scene files and microstructure; elements; mechanics; fatigue;
-solver; the growth of one crack; output; the ensemble; studies (verification, benchmarks); what commands share; commands.
+Layers from bottom to top: types and plugs of laws; microstructure; elements; mechanics; fatigue;
+scene files (which know the laws shipped); solver; the growth of one crack; output; the ensemble;
+studies (verification, benchmarks); what commands share; commands.
 """
 
 import ast
@@ -18,11 +19,12 @@ PACKAGE = "pearlite_petsc"
 ROOT = Path(__file__).parents[1]
 FILES = sorted((ROOT / PACKAGE).rglob("*.py"))
 ORDER = (
-    {"arrays", "errors", "exit_status", "scene", "world"},
-    {"config", "microstructure"},
+    {"arrays", "errors", "exit_status", "laws", "scene", "world"},
+    {"microstructure"},
     {"tessellation"},
     {"mechanics"},
     {"fatigue"},
+    {"config"},
     {"solver"},
     {"growth"},
     {"output"},

@@ -14,81 +14,163 @@ from pearlite_petsc.config.document import (
     read_text,
     suggestion,
 )
-from pearlite_petsc.config.keys import NAME_PATTERN, SOURCE_STATES, STATE_KEYS, TABLES, Key
+from pearlite_petsc.config.keys import NAME_PATTERN, Table, tables, text_key
+from pearlite_petsc.config.shipped import SHIPPED
+from pearlite_petsc.config.states import SOURCE_STATES, STATE_KEYS
 from pearlite_petsc.config.values import plain, program_value, show
 from pearlite_petsc.errors import SceneError
+from pearlite_petsc.laws.catalogue import Laws
+from pearlite_petsc.laws.key import Key
+from pearlite_petsc.laws.law import Law
 from pearlite_petsc.scene import Scene, State
 
 MOST_STATES = 100
 
 
-def load_scene(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Scene:
+def load_scene(
+    path: str | PathLike[str], overrides: Iterable[str] = (), laws: Laws = SHIPPED
+) -> Scene:
     """Read and validate a scene file.
 
     Args:
         path: TOML file; missing tables and keys take their defaults.
         overrides: "table.key=value" each, set after the file is read.
+        laws: The laws that the scene may choose from.
 
     Raises:
         SceneError: If anything in it cannot be used; one line that names file, table, key, value
             and limit.
     """
     file = Path(path)
-    return _scene(parse_text(read_text(file), plain(str(file))), file.stem, overrides)
+    return _scene(parse_text(read_text(file), plain(str(file))), file.stem, overrides, laws)
 
 
-def load_scene_text(text: str, name: str, overrides: Iterable[str] = ()) -> Scene:
+def load_scene_text(
+    text: str, name: str, overrides: Iterable[str] = (), laws: Laws = SHIPPED
+) -> Scene:
     """Validate the text of a scene file; ``name`` stands for the file in messages.
 
     Raises:
         SceneError: As ``load_scene``.
     """
-    return _scene(parse_text(text, plain(name)), Path(name).stem, overrides)
+    return _scene(parse_text(text, plain(name)), Path(name).stem, overrides, laws)
 
 
-def _scene(document: Document, stem: str, overrides: Iterable[str]) -> Scene:
+def _scene(document: Document, stem: str, overrides: Iterable[str], laws: Laws) -> Scene:
     # Overrides of one state change the default states, they do not replace them.
     document.tables.setdefault("states", {name: {} for name in SOURCE_STATES})
     for text in overrides:
         override(document, text)
-    _refuse_unknown_tables(document)
+    known = tables(laws)
+    _refuse_unknown_tables(document, known)
     values: dict[str, Any] = {
-        table.name: table.build(**_values(document, (table.name,), table.keys)) for table in TABLES
+        table.name: table.build(**_of_table(document, table, known, laws)) for table in known
     }
-    scene = Scene(name=_name(document, stem), states=_states(document), **values)
+    scene = Scene(name=_name(document, stem), states=_states(document, known), **values)
     problem = first_problem(scene)
     if problem is not None:
         raise document.error(problem[:2], problem[2])
     return scene
 
 
-def _refuse_unknown_tables(document: Document) -> None:
-    known = ("name", "states", *(table.name for table in TABLES))
-    elsewhere = {key.name: table.name for table in TABLES for key in table.keys}
+def _refuse_unknown_tables(document: Document, known: tuple[Table, ...]) -> None:
+    names = ("name", "states", *(table.name for table in known))
     for name in document.tables:
-        if name not in known:
-            text = f"is unknown, {suggestion(name, known, elsewhere)}"
+        if name not in names:
+            text = f"is unknown, {suggestion(name, names, _homes(known))}"
             raise document.error((name,), text)
+
+
+def _homes(known: tuple[Table, ...]) -> dict[str, str]:
+    """Return the table of every key."""
+    return {key.name: table.name for table in known for key in table.keys}
+
+
+def _of_table(
+    document: Document, table: Table, known: tuple[Table, ...], laws: Laws
+) -> dict[str, Any]:
+    """Return the attributes of one table, with the law that it chooses."""
+    path, key = (table.name,), table.law_key
+    if key is None:
+        return _values(document, path, table.keys, _homes(known))
+    raw = _raw(document, path)
+    law = _chosen(document, table, key, raw, laws)
+    pinned = text_key(key)
+    for other in table.laws:
+        for name in {key.name for key in other.parameters} & raw.keys():
+            if name not in [key.name for key in law.parameters]:
+                text = f"is a parameter of {key.name} = {show(other.name)}, not of {show(law.name)}"
+                raise document.error((*path, name), text)
+    keys = (*table.keys, pinned, *law.parameters)
+    _refuse_unknown(document, path, keys, _homes(known))
+    values = _program_values(document, path, table.keys)
+    given = _program_values(document, path, law.parameters)
+    _refuse_other_text(document, path, pinned, raw.get(pinned.name, ""), law)
+    return values | {key.attribute: law.with_values(**given)}
+
+
+def _chosen(document: Document, table: Table, key: Key, raw: dict[str, Any], laws: Laws) -> Law:
+    """Return the law that a table chooses by name."""
+    try:
+        name = program_value(key, raw.get(key.name, key.default))
+    except ValueError as error:
+        more = "; ".join(["--load FILE.py adds laws of your own", *laws.unusable])
+        raise document.error((table.name, key.name), f"{error} ({more})") from None
+    return next(law for law in table.laws if law.name == name)
+
+
+def _refuse_other_text(
+    document: Document, path: tuple[str, ...], pinned: Key, wanted: Any, law: Law
+) -> None:
+    """Check that the law comes from the text that the scene was written with, if it says so."""
+    found = law.source.sha256 if law.source else ""
+    if wanted not in ("", found):
+        origin = (
+            f"that of {law.source.file} is {found}" if law.source else "it comes with the program"
+        )
+        text = f"= {show(wanted, 70)} is not the text of {show(law.name)}: {origin}"
+        raise document.error((*path, pinned.name), text)
 
 
 def _values(
     document: Document,
     path: tuple[str, ...],
     keys: tuple[Key, ...],
+    homes: dict[str, str],
     defaults: dict[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Return the attributes of one table; keys without a default must be given."""
+    _refuse_unknown(document, path, keys, homes)
+    return _program_values(document, path, keys, defaults)
+
+
+def _raw(document: Document, path: tuple[str, ...]) -> dict[str, Any]:
     table: Any = document.tables
     for part in path:
         table = table.get(part, {})
         if not isinstance(table, dict):
             raise document.error(path, f"= {show(table)} must be a table")
+    found: dict[str, Any] = table
+    return found
+
+
+def _refuse_unknown(
+    document: Document, path: tuple[str, ...], keys: tuple[Key, ...], homes: dict[str, str]
+) -> None:
     known = tuple(key.name for key in keys)
-    elsewhere = {key.name: other.name for other in TABLES for key in other.keys}
-    for name in table:
+    for name in _raw(document, path):
         if name not in known:
-            hint = suggestion(name, known, elsewhere)
+            hint = suggestion(name, known, homes)
             raise document.error((*path, name), f"is unknown, {hint}")
+
+
+def _program_values(
+    document: Document,
+    path: tuple[str, ...],
+    keys: tuple[Key, ...],
+    defaults: dict[str, Any] | None = None,
+) -> dict[str, Any]:
+    table = _raw(document, path)
     if defaults is None:
         defaults = {key.name: key.default for key in keys}
     values = {}
@@ -102,7 +184,7 @@ def _values(
     return values
 
 
-def _states(document: Document) -> tuple[State, ...]:
+def _states(document: Document, known: tuple[Table, ...]) -> tuple[State, ...]:
     tables = document.tables["states"]
     if not isinstance(tables, dict):
         raise document.error(("states",), f"= {show(tables)} must be a table of states")
@@ -119,7 +201,7 @@ def _states(document: Document) -> tuple[State, ...]:
             raise document.error(path, text)
         if name.lower() in states:
             raise document.error(path, "differs from another state by upper and lower case only")
-        values = _values(document, path, STATE_KEYS, SOURCE_STATES.get(name, {}))
+        values = _values(document, path, STATE_KEYS, _homes(known), SOURCE_STATES.get(name, {}))
         states[name.lower()] = State(name=name, **values)
     return tuple(states.values())
 

@@ -3,13 +3,17 @@
 from collections.abc import Iterable
 from typing import Any
 
-from pearlite_petsc.config.keys import NAME_PATTERN, SOURCE_STATES, STATE_KEYS, TABLES, Key
+from pearlite_petsc.config.keys import NAME_PATTERN, Table, tables, text_key
 from pearlite_petsc.config.read import MOST_STATES
+from pearlite_petsc.config.shipped import SHIPPED
+from pearlite_petsc.config.states import SOURCE_STATES, STATE_KEYS
 from pearlite_petsc.config.values import LONGEST_TEXT, MOST_NUMBERS
+from pearlite_petsc.laws.catalogue import Laws
+from pearlite_petsc.laws.key import Key
 
 
-def scene_schema() -> dict[str, Any]:
-    """Return the JSON schema (draft 2020-12) of a scene as parsed from TOML.
+def scene_schema(laws: Laws = SHIPPED) -> dict[str, Any]:
+    """Return the JSON schema (draft 2020-12) of a scene that may choose from some laws.
 
     It holds all that concerns one key; what fits together only in pairs ``load_scene`` checks.
     """
@@ -20,8 +24,10 @@ def scene_schema() -> dict[str, Any]:
             "description": "name of the scene and its output folder; the file's stem by default",
         }
     }
-    for table in TABLES:
-        properties[table.name] = _table(table.keys, table.help)
+    for table in tables(laws):
+        properties[table.name] = _table(table.keys, table.help) | _of_laws(table)
+        if table.law_key is not None:
+            properties[table.name]["properties"] |= _names_of_laws(table, table.law_key)
     known = {name: _state(defaults) for name, defaults in SOURCE_STATES.items()}
     properties["states"] = {
         "type": "object",
@@ -64,6 +70,40 @@ def _table(
         "additionalProperties": False,
     }
     return table | ({"description": help} if help else {})
+
+
+def _names_of_laws(table: Table, chooser: Key) -> dict[str, Any]:
+    """Return what may stand beside the keys of a table that chooses a law."""
+    pinned = text_key(chooser)
+    digits = {"description": pinned.help, "type": "string", "pattern": "^([0-9a-f]{64})?$"}
+    return {pinned.name: digits} | {key.name: {} for law in table.laws for key in law.parameters}
+
+
+def _of_laws(table: Table) -> dict[str, Any]:
+    """Return the rules that allow a law's parameters where it is chosen, and only there."""
+    chooser = table.law_key
+    if chooser is None:
+        return {}
+    rules: list[dict[str, Any]] = []
+    for name in dict.fromkeys(key.name for law in table.laws for key in law.parameters):
+        owners = [law for law in table.laws if name in {key.name for key in law.parameters}]
+        for law in owners:
+            parameter = next(key for key in law.parameters if key.name == name)
+            described = _key(parameter) | {"default": parameter.default}
+            rules.append(
+                _if_chosen(chooser, [law.name], {"then": {"properties": {name: described}}})
+            )
+        others = {"else": {"properties": {name: False}}}
+        rules.append(_if_chosen(chooser, [law.name for law in owners], others))
+    return {"allOf": rules} if rules else {}
+
+
+def _if_chosen(chooser: Key, names: list[str], rule: dict[str, Any]) -> dict[str, Any]:
+    """Return a rule for the tables whose law is one of some; left out, it is the default."""
+    chosen: dict[str, Any] = {"properties": {chooser.name: {"enum": names}}}
+    if chooser.default not in names:
+        chosen["required"] = [chooser.name]
+    return {"if": chosen, **rule}
 
 
 def _key(key: Key) -> dict[str, Any]:

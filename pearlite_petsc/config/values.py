@@ -8,7 +8,7 @@ import math
 from decimal import Decimal
 from typing import Any
 
-from pearlite_petsc.config.keys import Key
+from pearlite_petsc.laws.key import Key, scaled
 
 MOST_NUMBERS = 200
 LONGEST_TEXT = 1000
@@ -116,8 +116,7 @@ def _number(key: Key, value: Any) -> float:
     rounded = float(value) if isinstance(value, Decimal) else value
     if key.limits is not None and not key.limits.hold(rounded):
         raise ValueError(f"= {show(value)} must be {key.limits}")
-    decimal = Decimal(repr(value)) if isinstance(value, float) else Decimal(value)
-    return float(decimal.scaleb(key.power)) + 0.0  # + 0.0 makes -0.0 the one zero
+    return scaled(value, key.power)
 
 
 def _numbers(key: Key, value: Any) -> tuple[float, ...]:

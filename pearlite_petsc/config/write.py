@@ -1,9 +1,15 @@
 """From a scene back to TOML, in the file's units; its hash; differences of two scenes."""
 
 import hashlib
+import tomllib
+from collections.abc import Iterator
+from typing import Any
 
-from pearlite_petsc.config.keys import STATE_KEYS, TABLES
+from pearlite_petsc.config.keys import TABLES, Table, text_key
+from pearlite_petsc.config.states import STATE_KEYS
 from pearlite_petsc.config.values import file_text
+from pearlite_petsc.laws.key import Key
+from pearlite_petsc.laws.law import Law
 from pearlite_petsc.scene import Scene
 
 COMMENT_COLUMN = 44
@@ -11,7 +17,11 @@ NOT_HASHED = {("output",), ("ensemble", "ranks_per_task")}
 
 
 def scene_to_toml(scene: Scene) -> str:
-    """Return the whole scene as TOML; reading it gives an equal scene, bit for bit."""
+    """Return the whole scene as TOML; reading it gives an equal scene, bit for bit.
+
+    A law from outside the program stands there with its name, parameters and the hash of its text,
+    so that reading the scene needs that very text.
+    """
     lines = [f'name = "{scene.name}"']
     for table in TABLES:
         if table.name == "damage":
@@ -21,11 +31,10 @@ def scene_to_toml(scene: Scene) -> str:
                     _line(key.name, file_text(key, getattr(state, key.attribute)), key.help)
                     for key in STATE_KEYS
                 ]
-        part = getattr(scene, table.name)
         lines += ["", _commented(f"[{table.name}]", table.help)]
         lines += [
-            _line(key.name, file_text(key, getattr(part, key.attribute)), key.help)
-            for key in table.keys
+            _line(key.name, file_text(key, value), key.help)
+            for key, value in _entries(table, getattr(scene, table.name))
         ]
     return "\n".join(lines) + "\n"
 
@@ -44,29 +53,63 @@ def scene_hash(scene: Scene) -> str:
     return hashlib.sha256("\n".join(kept).encode()).hexdigest()
 
 
-def scene_difference(old: Scene, new: Scene) -> tuple[str, ...]:
-    """Return one line for each key that differs: "[elements] width_um: 2.0, now 3.0"."""
-    before, after = _flat(old), _flat(new)
+def scene_difference(old: str, new: str) -> tuple[str, ...]:
+    """Return one line for each key that differs: "[elements] width_um: 2.0, now 3.0".
+
+    Args:
+        old, new: Scenes as ``scene_to_toml`` writes them; laws that they name need not be there.
+
+    Raises:
+        ValueError: One of them is no TOML.
+    """
+    before, after = (dict(_leaves(tomllib.loads(text, parse_float=str))) for text in (old, new))
     return tuple(
         f"[{'.'.join(path[:-1])}] {path[-1]}: {before.get(path, 'none')}, "
         f"now {after.get(path, 'none')}"
         for path in before | after
-        if before.get(path) != after.get(path)
+        if len(path) > 1 and before.get(path) != after.get(path)
     )
+
+
+def _entries(table: Table, part: Any) -> Iterator[tuple[Key, Any]]:
+    """Yield every key of a table with its value, also those of the law that it chose."""
+    law: Law | None = None
+    for key in table.keys:
+        value = getattr(part, key.attribute)
+        if not isinstance(value, Law):
+            yield key, value
+            continue
+        law = value
+        yield key, law.name
+        if law.source:
+            yield text_key(key, law.source), law.source.sha256
+    if law is not None:
+        keywords = law.keywords()
+        yield from ((key, keywords[key.attribute]) for key in law.parameters)
 
 
 def _flat(scene: Scene) -> dict[tuple[str, ...], str]:
     """Return the text of every value by its path, states in the scene's order."""
     values: dict[tuple[str, ...], str] = {
-        (table.name, key.name): file_text(key, getattr(getattr(scene, table.name), key.attribute))
+        (table.name, key.name): file_text(key, value)
         for table in TABLES
-        for key in table.keys
+        for key, value in _entries(table, getattr(scene, table.name))
     }
     for state in scene.states:
         for key in STATE_KEYS:
             path = ("states", state.name, key.name)
             values[path] = file_text(key, getattr(state, key.attribute))
     return values
+
+
+def _leaves(tree: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], str]]:
+    if isinstance(tree, dict):
+        for name, inner in tree.items():
+            yield from _leaves(inner, (*path, name))
+    elif isinstance(tree, list):
+        yield path, f"[{', '.join(map(str, tree))}]"
+    else:
+        yield path, str(tree).lower() if isinstance(tree, bool) else str(tree)
 
 
 def _line(name: str, value: str, help: str) -> str:

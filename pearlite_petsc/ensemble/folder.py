@@ -8,7 +8,6 @@ from time import monotonic, sleep
 from typing import IO
 
 from pearlite_petsc.config import (
-    load_scene_text,
     scene_difference,
     scene_hash,
     scene_to_toml,
@@ -150,8 +149,8 @@ def refuse_other_scene(mark: Path, scene: Scene) -> None:
     if old == scene_hash(scene):
         return
     try:
-        lines = scene_difference(load_scene_text(text, str(mark)), scene)
-    except SceneError as error:
+        lines = scene_difference(text, scene_to_toml(scene))
+    except ValueError as error:
         raise SceneError(f"{mark}: holds a scene that cannot be read ({error})") from None
     shown = "; ".join(line for line in lines if not line.startswith("[output]"))
     raise SceneError(

@@ -1,27 +1,13 @@
-"""Damage of interfaces under cyclic stress, source Eq. (26)-(33)."""
-
-from dataclasses import dataclass
+"""Damage of interfaces under cyclic stress, source Eq. (26)-(33), and the damage laws shipped."""
 
 import numpy as np
 
 from pearlite_petsc.arrays import FloatArray, IntArray
+from pearlite_petsc.laws.damage import DamageInterfaces, DamageLaw, RateConstants
 from pearlite_petsc.mechanics.lefm import TIP_FACTOR
 from pearlite_petsc.scene import Damage, Kind, State
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class DamageLaw:
-    """Rate of each interface: dD/dN = factor <stress - threshold>^3, per stress component.
-
-    Attributes:
-        factor: C/(S L) of the law, with (L/l_ref)^(3/2) for ``objective`` [1/(cycle MPa^3)]; (k,).
-        threshold: Stress range below which nothing grows [MPa]; (k,).
-        beta: Weight of the shear rate [-].
-    """
-
-    factor: FloatArray
-    threshold: FloatArray
-    beta: float
+_SEGMENTS = 64
 
 
 def yield_stress(shear_strain: float) -> float:
@@ -39,50 +25,90 @@ def strength(kind: IntArray, yield_strength: float, cementite_strength: float) -
     return np.where(kind == Kind.CEMENTITE, cementite_strength, yield_strength)
 
 
-def damage_law(
-    length: FloatArray, kind: IntArray, damage: Damage, state: State, remote_threshold: float
-) -> DamageLaw:
-    """Return the law of each interface.
+def threshold_stress(interfaces: DamageInterfaces, damage: Damage) -> FloatArray:
+    """Return the stress range below which nothing grows [MPa]; (k,).
 
-    ``printed``: dD/dN = C/(S L) <dsigma - dsigma_th>^3, Eq. (28)-(31).
-    ``objective``: dD/dN = C/(S l_ref^(3/2) L) <dsigma sqrt(L) - b Delta-K_th>^3, which gives
-    da/dN = (C/S) (b/sqrt(l_ref))^3 (Delta-K - Delta-K_th)^3 at any element size.
+    ``tip``: b Delta-K_th/sqrt(L), what a crack at Delta-K_th puts on an interface at its tip;
+    ``remote``: the remote stress at Delta-K_th.
+    """
+    if damage.threshold == "tip":
+        return np.asarray(TIP_FACTOR * interfaces.delta_k_th / np.sqrt(interfaces.length))
+    return np.full(len(interfaces.length), interfaces.remote_threshold)
+
+
+def printed(interfaces: DamageInterfaces, damage: Damage) -> RateConstants:
+    """Return dD/dN = C/(S L) <dsigma - dsigma_th>^3, Eq. (28)-(31)."""
+    factor = damage.c / (interfaces.strength * interfaces.length)
+    return RateConstants(factor, threshold_stress(interfaces, damage), damage.beta)
+
+
+def objective(interfaces: DamageInterfaces, damage: Damage) -> RateConstants:
+    """Return dD/dN = C/(S l_ref^(3/2) L) <dsigma sqrt(L) - b Delta-K_th>^3.
+
+    It gives da/dN = (C/S) (b/sqrt(l_ref))^3 (Delta-K - Delta-K_th)^3 at any element size.
+    """
+    factor = damage.c / (interfaces.strength * interfaces.length)
+    factor = factor * (interfaces.length / damage.reference_length) ** 1.5
+    return RateConstants(factor, threshold_stress(interfaces, damage), damage.beta)
+
+
+OBJECTIVE = DamageLaw(
+    name="objective", help="the same da/dN at any element size", function=objective
+)
+PRINTED = DamageLaw(name="printed", help="Eq. (28)-(31) as the source has them", function=printed)
+LAWS = (OBJECTIVE, PRINTED)
+"""The damage laws shipped, the default first."""
+
+
+def damage_interfaces(
+    length: FloatArray,
+    kind: IntArray,
+    damage: Damage,
+    state: State,
+    remote_threshold: float,
+    midpoint: FloatArray | None = None,
+    normal: FloatArray | None = None,
+    crack_distance: FloatArray | None = None,
+) -> DamageInterfaces:
+    """Return interfaces as a damage law sees them.
 
     Args:
         length: Interface length L [um]; shape (k,).
         kind: Kind of each interface; shape (k,).
-        damage: Constants.
+        damage: Strength of cementite.
         state: Yield stress and threshold of the state.
-        remote_threshold: Remote stress at Delta-K_th [MPa], for the threshold ``remote``.
+        remote_threshold: Remote stress at Delta-K_th [MPa].
+        midpoint, normal, crack_distance: See ``DamageInterfaces``; NaN where left out.
     """
-    factor = damage.c / (strength(kind, state.yield_stress, damage.cementite_strength) * length)
-    if damage.law == "objective":
-        factor = factor * (length / damage.reference_length) ** 1.5
-    if damage.threshold == "tip":
-        threshold = TIP_FACTOR * state.delta_k_th / np.sqrt(length)
-    else:
-        threshold = np.full(len(length), remote_threshold)
-    return DamageLaw(factor, threshold, damage.beta)
+    count = len(length)
+    unknown = np.full((count, 2), np.nan)
+    return DamageInterfaces(
+        length=length,
+        kind=kind,
+        strength=strength(kind, state.yield_stress, damage.cementite_strength),
+        midpoint=unknown if midpoint is None else midpoint,
+        normal=unknown if normal is None else normal,
+        crack_distance=np.full(count, np.nan) if crack_distance is None else crack_distance,
+        delta_k_th=state.delta_k_th,
+        remote_threshold=remote_threshold,
+    )
 
 
-def component_rate(stress: FloatArray, threshold: FloatArray, factor: FloatArray) -> FloatArray:
-    """Return factor <stress - threshold>^3 [1/cycle], Eq. (28)-(31); shape (k,)."""
-    over = np.maximum(stress - threshold, 0.0)
-    # numpy's power of 3 takes eight times as long.
-    return np.asarray(factor * (over * over * over))
-
-
-def damage_rate(normal: FloatArray, shear: FloatArray, law: DamageLaw) -> FloatArray:
-    """Return dD/dN of each interface, Eq. (32): sqrt(rate_n^2 + beta rate_t^2).
+def crack_distance(points: FloatArray, broken: FloatArray) -> FloatArray:
+    """Return the distance of points from the nearest of some segments [um]; (k,).
 
     Args:
-        normal: Normal stress range, tension positive; compression does no damage [MPa]; (k,).
-        shear: Shear stress range, its magnitude counts [MPa]; (k,).
-        law: Law of the interfaces.
-
-    Returns:
-        [1/cycle]; shape (k,).
+        points: Midpoints of interfaces [um]; (k, 2).
+        broken: Both ends of broken interfaces [um]; (b, 2, 2).
     """
-    rate_n = component_rate(normal, law.threshold, law.factor)
-    rate_t = component_rate(np.abs(shear), law.threshold, law.factor)
-    return np.asarray(np.sqrt(rate_n**2 + law.beta * rate_t**2))
+    nearest = np.full(len(points), np.inf)
+    for first in range(0, len(broken), _SEGMENTS):
+        start, end = np.swapaxes(broken[first : first + _SEGMENTS], 0, 1)
+        way_x, way_y = (end - start).T
+        x = points[:, None, 0] - start[:, 0]
+        y = points[:, None, 1] - start[:, 1]
+        square = np.maximum(way_x**2 + way_y**2, np.finfo(float).tiny)
+        part = np.clip((x * way_x + y * way_y) / square, 0.0, 1.0)
+        distance = np.hypot(x - part * way_x, y - part * way_y)
+        nearest = np.minimum(nearest, distance.min(axis=1))
+    return nearest

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pearlite_petsc.arrays import FloatArray, IntArray
-from pearlite_petsc.fatigue.damage import DamageLaw, damage_rate
+from pearlite_petsc.laws.damage import RateConstants
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -15,7 +15,7 @@ class Drive:
     Attributes:
         damage: D, below the failure damage; (k,).
         normal, shear: Effective stress ranges k_0 jump [MPa], 0 for interfaces that are broken; (k,).
-        law: Their damage law.
+        law: Their rate constants.
         failure_damage: D at which an interface breaks.
         nominal: Whether the law takes (1 - D) times the effective stress.
         sensitivity: lambda (``exponential``) or g (``compliance``) of each; (k,), or None.
@@ -24,16 +24,14 @@ class Drive:
     damage: FloatArray
     normal: FloatArray
     shear: FloatArray
-    law: DamageLaw
+    law: RateConstants
     failure_damage: float
     nominal: bool
     sensitivity: FloatArray | None = None
 
     def of(self, chosen: IntArray) -> "Drive":
         """Return the drive of some interfaces as columns: arrays of shape (c, 1)."""
-        law = DamageLaw(
-            self.law.factor[chosen, None], self.law.threshold[chosen, None], self.law.beta
-        )
+        law = self.law.columns(chosen)
         arrays = (self.damage, self.normal, self.shear)
         damage, normal, shear = (array[chosen, None] for array in arrays)
         sensitivity = None if self.sensitivity is None else self.sensitivity[chosen, None]
@@ -46,7 +44,7 @@ class Drive:
     def rate_at(self, damage: FloatArray) -> FloatArray:
         """Return dD/dN [1/cycle] under the drive's effective stresses at another damage."""
         carried = 1.0 - damage if self.nominal else 1.0
-        return damage_rate(self.normal * carried, self.shear * carried, self.law)
+        return self.law.rate(self.normal * carried, self.shear * carried)
 
     def rate_along(self, damage: FloatArray, model: str) -> FloatArray:
         """Return dD/dN [1/cycle] by a rate model (``RateModel``) that starts at the drive's damage."""

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from pearlite_petsc.arrays import FloatArray
-from pearlite_petsc.fatigue.damage import DamageLaw, damage_rate
 from pearlite_petsc.fatigue.release import released
+from pearlite_petsc.laws.damage import RateConstants
 
 SOFTENING = 0.02
 """Share of its force from which an interface that lets go moves the load."""
@@ -49,7 +49,7 @@ class Softening:
         constants: k_n l, k_t l, k_n l^3/12 of the intact springs; (a, 3).
         springs: k_n and k_t [MPa/um]; (a, 2).
         compliance: C, row and column 3 i + c for jump c of interface i; (3 a, 3 a).
-        law: Damage law.
+        law: Rate constants.
         nominal: Whether (1 - D) times the effective stress drives the damage.
         share: g of each alone, by which its release of force moves the load; (a,).
         advance: Where the tip would go if it broke, from where it is [um]; (a, 2).
@@ -65,7 +65,7 @@ class Softening:
     constants: FloatArray
     springs: FloatArray
     compliance: FloatArray
-    law: DamageLaw
+    law: RateConstants
     nominal: bool
     share: FloatArray
     advance: FloatArray
@@ -108,7 +108,7 @@ class Softening:
         stress = self.springs * jump[:, :2]
         if self.nominal:
             stress *= (1.0 - damage)[:, None]
-        return damage_rate(stress[:, 0], stress[:, 1], self.law)
+        return self.law.rate(stress[:, 0], stress[:, 1])
 
     def corrected(self, damage: FloatArray, jump: FloatArray) -> "Softening":
         """Return the same interfaces with what a solve at the end of a block found.

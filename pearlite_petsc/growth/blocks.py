@@ -13,6 +13,7 @@ from pearlite_petsc.fatigue.cycle_jumps.situation import Block, Memory, Situatio
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.release import released, stiffness_ratio
 from pearlite_petsc.growth.coupling import Coupling
+from pearlite_petsc.growth.damage_rates import DamageRates
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.scene import Scene, State
 
@@ -47,7 +48,7 @@ class Blocks:
         self.is_solved = False
         self.memory = Memory()
         self._jump: FloatArray | None = None
-        self._law = domain.law(state)
+        self._rates = DamageRates(domain, state)
         self._coupling = coupling
         self._nominal = scene.damage.stress == "nominal"
         self._failure_damage = scene.damage.failure_damage if self._nominal else 1.0
@@ -64,7 +65,7 @@ class Blocks:
             damage=self.domain.damage,
             jump=self._jump,
             stiffness=self.domain.part.stiffness,
-            law=self._law,
+            law=self._rates.constants,
             failure_damage=self._failure_damage,
             nominal=self._nominal,
             stiffness_ratio=self._stiffness_ratio,
@@ -102,9 +103,15 @@ class Blocks:
         """Return the fraction of its force that each interface has let go, 1 where broken; (k,)."""
         return released(damage, self._stiffness_ratio)
 
-    def forget_near(self, points: FloatArray) -> None:
-        """Forget what was learned close to breaks at some points [um]; (b, 2)."""
+    def see_breaks(self, ends: FloatArray) -> None:
+        """Take in what has broken, and forget what was learned close to it.
+
+        Args:
+            ends: Both ends of each interface that broke [um]; (b, 2, 2).
+        """
+        self._rates.see_breaks(ends)
         if self.memory.by_interface:
+            points = ends.mean(axis=1)
             near = cdist(self.domain.part.midpoint, points).min(axis=1) < self._reach
             known = {
                 name: np.where(near, np.nan, values)

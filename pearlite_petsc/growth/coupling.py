@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.crack import CrackTracker, Point
-from pearlite_petsc.fatigue.damage import DamageLaw
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.softening import Softening, load_centre
 from pearlite_petsc.growth.domain import Domain
@@ -131,7 +131,7 @@ class Coupling:
             constants=table[:, 8:11],
             springs=table[:, 11:13],
             compliance=compliance,
-            law=DamageLaw(factor, threshold, drive.law.beta),
+            law=replace(drive.law, factor=factor, threshold=threshold),
             nominal=drive.nominal,
             share=share,
             advance=table[:, 13:15],

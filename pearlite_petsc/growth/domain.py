@@ -6,8 +6,9 @@ import numpy as np
 from mpi4py import MPI
 
 from pearlite_petsc.arrays import FloatArray, IntArray
-from pearlite_petsc.fatigue.damage import DamageLaw, damage_law
+from pearlite_petsc.fatigue.damage import damage_interfaces
 from pearlite_petsc.growth.first_rank import on_first
+from pearlite_petsc.laws.damage import RateConstants
 from pearlite_petsc.mechanics.lefm import remote_stress
 from pearlite_petsc.mechanics.loads import element_forces, uniform_stress, williams_mode_one
 from pearlite_petsc.mechanics.springs import spring_stiffness
@@ -67,8 +68,13 @@ class Domain:
         self.damage, self.failure_cycles = self._start[0], self._start[1].copy()
         self.equilibrium.restart()
 
-    def law(self, state: State) -> DamageLaw:
-        """Return the damage law of this rank's interfaces.
+    def rate_constants(self, state: State, crack_distance: FloatArray | None) -> RateConstants:
+        """Return what the damage law makes of this rank's interfaces.
+
+        Args:
+            state: State of the steel.
+            crack_distance: Of each interface from the crack [um]; (k,), None where the law does
+                not follow the crack.
 
         Coarse elements carry the load to the fine ones and take no damage: their long interfaces
         would pass a threshold that falls with 1/sqrt(L) far from any crack.
@@ -76,8 +82,18 @@ class Domain:
         window = self.scene.window
         threshold = remote_stress(state.delta_k_th, window.notch, window.width)
         part = self.part
-        law = damage_law(part.length, part.kind, self.scene.damage, state, threshold)
-        return DamageLaw(law.factor * part.fine, law.threshold, law.beta)
+        damage = self.scene.damage
+        interfaces = damage_interfaces(
+            part.length,
+            part.kind,
+            damage,
+            state,
+            threshold,
+            part.midpoint,
+            part.normal,
+            crack_distance,
+        )
+        return damage.law.rate_constants(interfaces, damage).only(part.fine)
 
     def load(self, delta_k: float, tip: tuple[float, float]) -> FloatArray:
         """Return (F_x, F_y, M) on own elements for the crack's tip [uN, uN, uN um]; (own, 3)."""

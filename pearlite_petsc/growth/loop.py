@@ -323,7 +323,7 @@ class CrackGrowth:
         numbers, pairs, junctions, ends = self.domain.share_edges(self._blocks.fresh)
         reached = self._tracker.add(pairs, junctions, ends)
         if len(numbers):
-            self._blocks.forget_near(ends.mean(axis=1))
+            self._blocks.see_breaks(ends)
             crack_length = self._tracker.tip[0]
             row = (self.cycles, crack_length, self._tracker.path_length, self._tracker.broken)
             self._history.append(row)

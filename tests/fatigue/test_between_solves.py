@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from pearlite_petsc.fatigue.between_solves import damage_at_end
-from pearlite_petsc.fatigue.damage import DamageLaw
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.softening import Course
+from pearlite_petsc.laws import RateConstants
 
 CYCLES = np.array([0.0, 100.0, 250.0, 400.0])
 COURSE = Course(CYCLES, np.zeros((4, 1)), np.array([0.0, 0.2, 0.6, 1.0]), 0)
@@ -12,7 +12,7 @@ COURSE = Course(CYCLES, np.zeros((4, 1)), np.array([0.0, 0.2, 0.6, 1.0]), 0)
 
 def drive_of(damage: list[float], normal: list[float], threshold: float = 0.0) -> Drive:
     count = len(damage)
-    law = DamageLaw(np.full(count, 1e-12), np.full(count, threshold), 0.3)
+    law = RateConstants(np.full(count, 1e-12), np.full(count, threshold), 0.3)
     return Drive(np.array(damage), np.array(normal), np.zeros(count), law, 1.0, False)
 
 

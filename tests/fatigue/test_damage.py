@@ -6,49 +6,62 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.damage import (
-    DamageLaw,
-    component_rate,
-    damage_law,
-    damage_rate,
+    LAWS,
+    PRINTED,
+    damage_interfaces,
     strength,
     yield_stress,
 )
+from pearlite_petsc.laws import DamageLaw, RateConstants, cubic_rate
 from pearlite_petsc.mechanics.lefm import TIP_FACTOR
-from pearlite_petsc.scene import Kind
+from pearlite_petsc.scene import Damage, Kind, State
 from tests.scenes import STATES, default_scene
 
 DAMAGE = default_scene().damage
 STATE = STATES["moderate_AT"]
-PRINTED = replace(DAMAGE, law="printed")
+PRINTED_DAMAGE = replace(DAMAGE, law=PRINTED)
 KINDS = np.array([Kind.LAMELLA, Kind.CEMENTITE, Kind.COLONY, Kind.BLOCK, 4])
 LENGTHS = np.array([0.3, 2.0, 4.0, 7.0, 30.0])
 
 
+def constants_of(
+    length: FloatArray, kind: IntArray, damage: Damage, state: State, remote: float = 0.0
+) -> RateConstants:
+    interfaces = damage_interfaces(length, kind, damage, state, remote)
+    return damage.law.rate_constants(interfaces, damage)
+
+
 def scalar_rate(
-    normal: float, shear: float, length: float, kind: int, law: str, threshold: str, remote: float
+    normal: float,
+    shear: float,
+    length: float,
+    kind: int,
+    law: DamageLaw,
+    threshold: str,
+    remote: float,
 ) -> float:
     """Eq. (28)-(32) for one interface, written out."""
     s = DAMAGE.cementite_strength if kind == 1 else STATE.yield_stress
     at_tip = math.sqrt(2 / math.pi) * STATE.delta_k_th / math.sqrt(length)
     limit = at_tip if threshold == "tip" else remote
     factor = DAMAGE.c / (s * length)
-    if law == "objective":
+    if law.name == "objective":
         factor *= (length / DAMAGE.reference_length) ** 1.5
     parts = [factor * max(stress - limit, 0.0) ** 3 for stress in (normal, abs(shear))]
     return math.sqrt(parts[0] ** 2 + DAMAGE.beta * parts[1] ** 2)
 
 
-@pytest.mark.parametrize("law", ["objective", "printed"])
+@pytest.mark.parametrize("law", LAWS, ids=str)
 @pytest.mark.parametrize("threshold", ["tip", "remote"])
 @given(normal=st.floats(-3e4, 3e4), shear=st.floats(-3e4, 3e4))
 def test_the_rate_is_that_of_the_equations_written_out(
-    law: str, threshold: str, normal: float, shear: float
+    law: DamageLaw, threshold: str, normal: float, shear: float
 ) -> None:
     damage = replace(DAMAGE, law=law, threshold=threshold)
-    found = damage_rate(
-        np.full(5, normal), np.full(5, shear), damage_law(LENGTHS, KINDS, damage, STATE, 55.0)
-    )
+    constants = constants_of(LENGTHS, KINDS, damage, STATE, 55.0)
+    found = constants.rate(np.full(5, normal), np.full(5, shear))
     for place, (length, kind) in enumerate(zip(LENGTHS.tolist(), KINDS.tolist(), strict=True)):
         exact = scalar_rate(normal, shear, length, kind, law, threshold, 55.0)
         assert found[place] == pytest.approx(exact, rel=1e-9, abs=1e-300)
@@ -56,7 +69,7 @@ def test_the_rate_is_that_of_the_equations_written_out(
 
 def test_both_laws_agree_where_the_interface_has_the_reference_length() -> None:
     length, kind = np.array([DAMAGE.reference_length]), np.array([0])
-    laws = [damage_law(length, kind, damage, STATE, 0.0) for damage in (DAMAGE, PRINTED)]
+    laws = [constants_of(length, kind, damage, STATE) for damage in (DAMAGE, PRINTED_DAMAGE)]
     assert laws[0].factor == pytest.approx(laws[1].factor, rel=1e-14)
     assert laws[0].threshold == pytest.approx(laws[1].threshold, rel=1e-14)
 
@@ -64,45 +77,43 @@ def test_both_laws_agree_where_the_interface_has_the_reference_length() -> None:
 def test_the_objective_law_grows_a_straight_crack_equally_fast_on_any_mesh() -> None:
     delta_k, free = 2e4, STATE
     lengths = np.geomspace(0.1, 100.0, 7)
-    law = damage_law(lengths, np.zeros(7, dtype=int), DAMAGE, free, 0.0)
+    law = constants_of(lengths, np.zeros(7, dtype=int), DAMAGE, free)
     stress = TIP_FACTOR * delta_k / np.sqrt(lengths)
-    speed = lengths * damage_rate(stress, np.zeros(7), law)
+    speed = lengths * law.rate(stress, np.zeros(7))
     closed = DAMAGE.c / free.yield_stress * (TIP_FACTOR / math.sqrt(DAMAGE.reference_length)) ** 3
     assert speed == pytest.approx(closed * (delta_k - free.delta_k_th) ** 3, rel=1e-12)
 
 
 def test_the_printed_law_grows_it_faster_on_a_finer_mesh_by_the_power_of_three_halves() -> None:
     lengths = np.array([1.0, 4.0])
-    law = damage_law(lengths, np.zeros(2, dtype=int), PRINTED, STATE, 0.0)
+    law = constants_of(lengths, np.zeros(2, dtype=int), PRINTED_DAMAGE, STATE)
     stress = TIP_FACTOR * 2e4 / np.sqrt(lengths)
-    speed = lengths * damage_rate(stress, np.zeros(2), law)
+    speed = lengths * law.rate(stress, np.zeros(2))
     assert speed[0] / speed[1] == pytest.approx(8.0, rel=1e-12)
 
 
 def test_nothing_grows_at_or_below_the_threshold_nor_under_compression() -> None:
-    law = DamageLaw(np.ones(4), np.full(4, 10.0), 0.3)
+    law = RateConstants(np.ones(4), np.full(4, 10.0), 0.3)
     normal = np.array([10.0, 9.0, -1e6, 0.0])
-    assert damage_rate(normal, np.array([0.0, -10.0, 10.0, -9.9]), law).tolist() == [0.0] * 4
+    assert law.rate(normal, np.array([0.0, -10.0, 10.0, -9.9])).tolist() == [0.0] * 4
 
 
 def test_the_third_power_and_the_weight_of_the_shear() -> None:
-    law = DamageLaw(np.array([2.0]), np.array([0.0]), 0.3)
+    law = RateConstants(np.array([2.0]), np.array([0.0]), 0.3)
     one, two = np.array([5.0]), np.array([10.0])
     zero = np.zeros(1)
-    assert component_rate(one, zero, np.array([2.0])).tolist() == [250.0]
-    assert damage_rate(two, zero, law) == pytest.approx(8 * damage_rate(one, zero, law))
-    assert damage_rate(zero, one, law) == pytest.approx(
-        math.sqrt(0.3) * damage_rate(one, zero, law)
-    )
-    assert damage_rate(one, -two, law) == pytest.approx(damage_rate(one, two, law))
-    both = damage_rate(one, one, law)
+    assert cubic_rate(one, zero, np.array([2.0])).tolist() == [250.0]
+    assert law.rate(two, zero) == pytest.approx(8 * law.rate(one, zero))
+    assert law.rate(zero, one) == pytest.approx(math.sqrt(0.3) * law.rate(one, zero))
+    assert law.rate(one, -two) == pytest.approx(law.rate(one, two))
+    both = law.rate(one, one)
     assert both == pytest.approx(math.sqrt(1.3) * 250.0)
 
 
 @given(st.floats(0.0, 1e4), st.floats(0.0, 1e4))
 def test_more_stress_is_never_less_damage(stress: float, more: float) -> None:
-    law = DamageLaw(np.array([1e-9, 1e-9]), np.array([50.0, 50.0]), 0.3)
-    rate = damage_rate(np.array([stress, stress + more]), np.array([20.0, 20.0]), law)
+    law = RateConstants(np.array([1e-9, 1e-9]), np.array([50.0, 50.0]), 0.3)
+    rate = law.rate(np.array([stress, stress + more]), np.array([20.0, 20.0]))
     assert rate[0] <= rate[1]
 
 
@@ -113,17 +124,17 @@ def test_only_interfaces_across_lamellae_have_the_strength_of_cementite() -> Non
 
 def test_a_remote_threshold_is_one_stress_and_a_tip_threshold_falls_with_the_length() -> None:
     remote = replace(DAMAGE, threshold="remote")
-    assert (damage_law(LENGTHS, KINDS, remote, STATE, 55.0).threshold == 55.0).all()
-    tip = damage_law(LENGTHS, KINDS, DAMAGE, STATE, 55.0).threshold
+    assert (constants_of(LENGTHS, KINDS, remote, STATE, 55.0).threshold == 55.0).all()
+    tip = constants_of(LENGTHS, KINDS, DAMAGE, STATE, 55.0).threshold
     assert tip * np.sqrt(LENGTHS) == pytest.approx(TIP_FACTOR * STATE.delta_k_th, rel=1e-14)
 
 
 def test_the_rate_is_proportional_to_c_and_to_one_over_the_strength() -> None:
-    base = damage_law(LENGTHS, KINDS, DAMAGE, STATE, 0.0).factor
+    base = constants_of(LENGTHS, KINDS, DAMAGE, STATE).factor
     double_c = replace(DAMAGE, c=2 * DAMAGE.c)
-    assert np.array_equal(damage_law(LENGTHS, KINDS, double_c, STATE, 0.0).factor, 2 * base)
+    assert np.array_equal(constants_of(LENGTHS, KINDS, double_c, STATE).factor, 2 * base)
     harder = replace(STATE, yield_stress=2 * STATE.yield_stress)
-    ratio = damage_law(LENGTHS, KINDS, DAMAGE, harder, 0.0).factor / base
+    ratio = constants_of(LENGTHS, KINDS, DAMAGE, harder).factor / base
     assert ratio == pytest.approx([0.5, 1.0, 0.5, 0.5, 0.5])
 
 

@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from pearlite_petsc.fatigue.damage import DamageLaw
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.extrapolation import Extrapolation, RateModel
+from pearlite_petsc.laws import RateConstants
 
 MODELS: tuple[RateModel, ...] = ("euler", "exponential", "compliance")
 
@@ -22,7 +22,7 @@ def drive_of(
     nominal: bool = False,
 ) -> Drive:
     count = len(damage)
-    law = DamageLaw(np.full(count, 1e-12), np.full(count, threshold), 0.3)
+    law = RateConstants(np.full(count, 1e-12), np.full(count, threshold), 0.3)
     return Drive(
         np.array(damage, dtype=float),
         np.array(normal, dtype=float),
@@ -123,7 +123,7 @@ def test_a_nominal_interface_breaks_at_its_failure_damage() -> None:
 @pytest.mark.parametrize("model", MODELS)
 def test_a_larger_constant_only_scales_the_cycles(model: RateModel) -> None:
     drive = drive_of([0.0, 0.3, 0.6], [900.0, 1100.0, 700.0], [0.5, 0.4, 0.8])
-    law = DamageLaw(2 * drive.law.factor, drive.law.threshold, drive.law.beta)
+    law = RateConstants(2 * drive.law.factor, drive.law.threshold, drive.law.beta)
     faster = Drive(drive.damage, drive.normal, drive.shear, law, 1.0, False, drive.sensitivity)
     one, two = Extrapolation(drive, 0.5, model), Extrapolation(faster, 0.5, model)
     assert two.longest == pytest.approx(one.longest / 2, rel=1e-14)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from pearlite_petsc.fatigue.damage import DamageLaw
 from pearlite_petsc.fatigue.softening import Softening, course_of
+from pearlite_petsc.laws import RateConstants
 
 COUNT = 3
 RNG = np.random.default_rng(5)
@@ -24,7 +24,7 @@ def softening(**changes: Any) -> Softening:
         "constants": np.full((COUNT, 3), 1.2),
         "springs": np.full((COUNT, 2), 1000.0),
         "compliance": COMPLIANCE,
-        "law": DamageLaw(np.full(COUNT, 1e-12), np.full(COUNT, 100.0), 0.3),
+        "law": RateConstants(np.full(COUNT, 1e-12), np.full(COUNT, 100.0), 0.3),
         "nominal": False,
         "share": np.full(COUNT, 0.4),
         "advance": np.zeros((COUNT, 2)),
@@ -44,7 +44,7 @@ def one_in_series(share: float) -> Softening:
         constants=np.ones((1, 3)),
         springs=np.full((1, 2), 1000.0),
         compliance=share * np.eye(3),
-        law=DamageLaw(np.array([1e-12]), np.zeros(1), 0.3),
+        law=RateConstants(np.array([1e-12]), np.zeros(1), 0.3),
         share=np.array([share]),
         advance=np.zeros((1, 2)),
         pull=np.zeros((1, 3, 2)),
@@ -144,6 +144,6 @@ def test_a_block_ends_in_time_where_it_must_not_go_on() -> None:
 
 
 def test_nothing_goes_on_below_the_threshold() -> None:
-    law = DamageLaw(np.full(COUNT, 1e-12), np.full(COUNT, 1e4), 0.3)
+    law = RateConstants(np.full(COUNT, 1e-12), np.full(COUNT, 1e4), 0.3)
     course = course_of(softening(law=law))
     assert course.first is None and course.cycles.tolist() == [0.0]

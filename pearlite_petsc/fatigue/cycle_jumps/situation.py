@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
 
 from pearlite_petsc.arrays import FloatArray, IntArray
-from pearlite_petsc.fatigue.damage import DamageLaw
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.softening import Softening
+from pearlite_petsc.laws.damage import RateConstants
 from pearlite_petsc.mechanics.springs import Stiffness
 
 
@@ -78,7 +78,7 @@ class Situation:
         damage: D; (k,).
         jump: Normal, tangential and rotational jump in equilibrium [um, um, rad]; (k, 3).
         stiffness: Intact springs.
-        law: Damage law.
+        law: Rate constants of the interfaces.
         failure_damage: D at which an interface breaks.
         nominal: Whether the law takes (1 - D) times the effective stress.
         stiffness_ratio: g of each interface; (k,).
@@ -90,7 +90,7 @@ class Situation:
     damage: FloatArray
     jump: FloatArray
     stiffness: Stiffness
-    law: DamageLaw
+    law: RateConstants
     failure_damage: float
     nominal: bool
     stiffness_ratio: FloatArray

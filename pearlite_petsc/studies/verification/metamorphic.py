@@ -6,7 +6,7 @@ import numpy as np
 from mpi4py import MPI
 
 from pearlite_petsc.arrays import FloatArray, IntArray
-from pearlite_petsc.fatigue.damage import damage_law
+from pearlite_petsc.fatigue.damage import damage_interfaces
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.extrapolation import Extrapolation
 from pearlite_petsc.fatigue.outcome import Outcome
@@ -161,7 +161,8 @@ def grow_under_fixed_load(mesh: Mesh, state: State, airy: AiryFunction) -> Fixed
     Needs no notion of where the crack's tip is, and so no frame.
     """
     stiffness = spring_stiffness(mesh, STEEL)
-    law = damage_law(mesh.length, mesh.kind, DAMAGE, state, 0.0)
+    interfaces = damage_interfaces(mesh.length, mesh.kind, DAMAGE, state, 0.0)
+    constants = DAMAGE.law.rate_constants(interfaces, DAMAGE)
     value = (mesh.kind == Kind.NOTCH).astype(float)
     # Softened springs are put in as such; broken ones are taken out.
     cycles, order, when = 0.0, [], []
@@ -170,7 +171,7 @@ def grow_under_fixed_load(mesh: Mesh, state: State, airy: AiryFunction) -> Fixed
         soft = replace(stiffness, k_n=stiffness.k_n * intact, k_t=stiffness.k_t * intact)
         traction = solve(mesh, soft, value >= 1.0, airy).traction
         effective = traction / np.where(intact > 0.0, intact, 1.0)[:, None]
-        drive = Drive(value, effective[:, 0], effective[:, 1], law, 1.0, False)
+        drive = Drive(value, effective[:, 0], effective[:, 1], constants, 1.0, False)
         block = Extrapolation(drive, 1.0, "euler")
         cycles += block.longest
         after = block.damage_after(block.longest)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 from pearlite_petsc.errors import MeshError, SolverError
+from pearlite_petsc.fatigue.damage import OBJECTIVE, PRINTED
 from pearlite_petsc.scene import Damage, Solver, State
 from pearlite_petsc.studies.cases import STATES, scene_of
 from pearlite_petsc.studies.table import write_rows
@@ -102,8 +103,8 @@ def grow_variants(
 def damage_of(damage: Damage, variant: Variant, state: State) -> Damage:
     """Return the damage constants of a variant."""
     if variant == "one_kind":
-        return replace(damage, law="objective", cementite_strength=state.yield_stress)
-    return replace(damage, law=variant)
+        return replace(damage, law=OBJECTIVE, cementite_strength=state.yield_stress)
+    return replace(damage, law=PRINTED if variant == "printed" else OBJECTIVE)
 
 
 def compute_rates(

@@ -7,11 +7,12 @@ from scipy.integrate import solve_ivp
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.fatigue.cycle_jumps.exponential import exponent
-from pearlite_petsc.fatigue.damage import DamageLaw, damage_law
+from pearlite_petsc.fatigue.damage import damage_interfaces
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.extrapolation import Extrapolation, RateModel
 from pearlite_petsc.fatigue.release import next_release
 from pearlite_petsc.fatigue.softening import Softening, course_of
+from pearlite_petsc.laws.damage import RateConstants
 from pearlite_petsc.mechanics.lefm import TIP_FACTOR
 from pearlite_petsc.scene import Kind, State
 from pearlite_petsc.studies.cases import DAMAGE, STATES
@@ -51,15 +52,22 @@ class SeriesSpring:
     failure: float = 1.0
     state: State = STEEL_STATE
 
-    def law(self) -> DamageLaw:
-        """Return the damage law of the interface (k = 1)."""
-        return damage_law(np.array([LENGTH]), np.array([self.kind]), DAMAGE, self.state, 0.0)
+    def rate_constants(self) -> RateConstants:
+        """Return what the damage law makes of the interface (k = 1)."""
+        length, kind = np.array([LENGTH]), np.array([self.kind])
+        interfaces = damage_interfaces(length, kind, DAMAGE, self.state, 0.0)
+        return DAMAGE.law.rate_constants(interfaces, DAMAGE)
 
     def drive(self, damage: FloatArray) -> Drive:
         """Return what the program knows after a solve at a damage; (1,)."""
         rise = 1.0 / (1.0 - self.share * damage)
         return Drive(
-            damage, self.normal * rise, self.shear * rise, self.law(), self.failure, self.nominal
+            damage,
+            self.normal * rise,
+            self.shear * rise,
+            self.rate_constants(),
+            self.failure,
+            self.nominal,
         )
 
     def rate(self, damage: float) -> float:

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from pearlite_petsc.fatigue.damage import OBJECTIVE, PRINTED
 from pearlite_petsc.growth.prepared import Prepared, prepare_growth
 from pearlite_petsc.mechanics.lefm import TIP_FACTOR
-from pearlite_petsc.scene import DamageLaw, Kind, Scene, Solver
+from pearlite_petsc.scene import Kind, Scene, Solver
 from pearlite_petsc.studies.bodies import on_line, plain_mesh, tensor_points
 from pearlite_petsc.studies.cases import STATES, scene_of
 from pearlite_petsc.studies.verification.claim import Section, fitted_order
@@ -16,6 +17,7 @@ DELTA_K = 2e4
 STATE = replace(STATES["severe_AT"], delta_k_th=0.0)
 """One colony with lamellae along the crack: nothing but the law decides the rate."""
 
+LAWS = (OBJECTIVE, PRINTED)
 
 SIZE, NOTCH, EXTENSION = 144.0, 60.0, 36.0
 """Square window, its notch, and the growth [um]: multiples of all widths in question."""
@@ -39,13 +41,15 @@ def straight_crack(section: Section, widths: tuple[float, ...]) -> None:
     # Small blocks: the law is in question here, not the jump.
     jump = replace(scene.cycle_jump, delta_d=0.25)
     scene = replace(scene, solver=Solver("iterative", 1e-7, 5000), cycle_jump=jump)
-    rates: dict[DamageLaw, list[float]] = {"objective": [], "printed": []}
+    rates: dict[str, list[float]] = {law.name: [] for law in LAWS}
     for width in widths:
         square = replace(scene, elements=replace(scene.elements, width=width, length=width))
         prepared = grid_prepared(scene, width)
-        for law, found in rates.items():
+        for law in LAWS:
             damage = replace(scene.damage, law=law)
-            found.append(grow(replace(square, damage=damage), STATE, prepared, DELTA_K).da_dn)
+            rates[law.name].append(
+                grow(replace(square, damage=damage), STATE, prepared, DELTA_K).da_dn
+            )
     objective = np.array(rates["objective"])
     for width, rate in zip(widths[1:], objective[1:], strict=True):
         section.close(

@@ -14,10 +14,10 @@ from pearlite_petsc.fatigue.cycle_jumps.situation import (
     Situation,
     Trial,
 )
-from pearlite_petsc.fatigue.damage import DamageLaw, damage_rate
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.release import stiffness_ratio
 from pearlite_petsc.fatigue.softening import Softening
+from pearlite_petsc.laws import RateConstants
 from pearlite_petsc.mechanics.springs import Stiffness
 
 COUNT, UNKNOWNS = 5, 30
@@ -45,7 +45,9 @@ class Body:
         base = rng.normal(size=(UNKNOWNS, UNKNOWNS))
         self._rest = base @ base.T + 12.0 * np.eye(UNKNOWNS)
         self._load = 20.0 * rng.normal(size=UNKNOWNS)
-        self.law = DamageLaw(np.geomspace(1e-9, 4e-9, COUNT), np.full(COUNT, self.threshold), 0.3)
+        self.law = RateConstants(
+            np.geomspace(1e-9, 4e-9, COUNT), np.full(COUNT, self.threshold), 0.3
+        )
         self.constants = np.full((COUNT, 3), 1.5)
         self.stiffness = Stiffness(np.full(COUNT, 60.0), np.full(COUNT, 60.0))
         self.ratio = stiffness_ratio(np.full(COUNT, 0.2))
@@ -91,7 +93,7 @@ class Body:
             constants=self.constants[numbers],
             springs=np.stack([self.stiffness.k_n, self.stiffness.k_t], axis=1)[numbers],
             compliance=compliance[np.ix_(rows, rows)],
-            law=DamageLaw(law.factor[numbers], law.threshold[numbers], law.beta),
+            law=RateConstants(law.factor[numbers], law.threshold[numbers], law.beta),
             nominal=False,
             share=stiffness_ratio[numbers],
             advance=np.zeros((count, 2)),
@@ -146,9 +148,7 @@ class Body:
 
         def rate(_: float, damage: FloatArray) -> FloatArray:
             jump = self.jumps(damage)
-            return damage_rate(
-                self.stiffness.k_n * jump[:, 0], self.stiffness.k_t * jump[:, 1], self.law
-            )
+            return self.law.rate(self.stiffness.k_n * jump[:, 0], self.stiffness.k_t * jump[:, 1])
 
         def broken(_: float, damage: FloatArray) -> float:
             return float(damage.max() - 1.0)

@@ -1,0 +1,24 @@
+"""Laws as plugs: what a damage, spring or cycle jump law declares, and the catalogue of them."""
+
+from pearlite_petsc.laws.catalogue import Laws
+from pearlite_petsc.laws.damage import DamageInterfaces, DamageLaw, RateConstants, cubic_rate
+from pearlite_petsc.laws.key import LENGTH, SHARE, Key, Limits, integer, number, switch, word
+from pearlite_petsc.laws.law import Law, Source
+
+__all__ = [
+    "LENGTH",
+    "SHARE",
+    "DamageInterfaces",
+    "DamageLaw",
+    "Key",
+    "Law",
+    "Laws",
+    "Limits",
+    "RateConstants",
+    "Source",
+    "cubic_rate",
+    "integer",
+    "number",
+    "switch",
+    "word",
+]

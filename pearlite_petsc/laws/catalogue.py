@@ -1,0 +1,43 @@
+"""The laws that a scene may choose from."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from pearlite_petsc.errors import SceneError
+from pearlite_petsc.laws.law import Law, described
+
+LawType = TypeVar("LawType", bound=Law)
+
+
+@dataclass(frozen=True, slots=True)
+class Laws:
+    """A catalogue of laws: no state, no registration; one more law makes another catalogue.
+
+    Attributes:
+        laws: In the order in which messages and pages name them; the first of each type is the
+            default.
+        unusable: One sentence for each law that is installed and could not be loaded.
+    """
+
+    laws: tuple[Law, ...]
+    unusable: tuple[str, ...] = ()
+
+    def of(self, kind: type[LawType]) -> tuple[LawType, ...]:
+        """Return the laws of one type."""
+        return tuple(law for law in self.laws if isinstance(law, kind))
+
+    def joined(self, laws: Iterable[Law]) -> "Laws":
+        """Return the catalogue with more laws.
+
+        Raises:
+            SceneError: There is a law of this type and name already.
+        """
+        found = list(self.laws)
+        for law in laws:
+            for other in found:
+                if (other.table, other.name) == (law.table, law.name):
+                    place = other.source.file if other.source else "the program itself"
+                    raise SceneError(f"{described(law)}: there is one of this name in {place}")
+            found.append(law)
+        return Laws(tuple(found), self.unusable)
