@@ -20,7 +20,7 @@ usage() {
     cat <<'END'
 Usage: ./pearlite.sh COMMAND [ARGS]
 
-  run [ARGS]     mpirun -n RANKS python -m pearlite_petsc.run ARGS
+  run [ARGS]     pearlite run --ranks RANKS ARGS; "run --help" lists them
   test [ARGS]    ruff, mypy --strict, a two-rank run, pytest on all cores with ARGS
                  (--slow for the long ones, -n 0 for --pdb)
   exec CMD...    run CMD in the environment
@@ -349,7 +349,7 @@ set_environment
 case $command in
     run)
         set_up run
-        exec mpirun -n "$number" python -m pearlite_petsc.run "$@"
+        exec python -m pearlite_petsc.run --ranks "$number" "$@"
         ;;
     test)
         set_up test

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import pearlite_petsc
 from pearlite_petsc.exit_status import ExitStatus
 
 _RANK_VARIABLES = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID")
@@ -35,11 +36,25 @@ class CommandParser(argparse.ArgumentParser):
             allow_abbrev=False,
             **options,
         )
+        self.add_argument("--version", action=_Version, nargs=0, help="print the version")
+
+    def print_help(self, file: Any = None) -> None:
+        """Print the help, on the first rank only."""
+        if is_first_rank():
+            super().print_help(file)
 
     def error(self, message: str) -> Any:
         """Leave with the exit status of bad input."""
         complain(f"{self.prog}: {message} (--help lists the options)")
         sys.exit(ExitStatus.BAD_INPUT)
+
+
+class _Version(argparse.Action):
+    """Prints the version, on the first rank only, and leaves."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *found: object) -> None:
+        say(f"pearlite_petsc {pearlite_petsc.__version__}")
+        parser.exit()
 
 
 def add_set_option(parser: argparse.ArgumentParser) -> None:

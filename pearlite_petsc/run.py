@@ -1,15 +1,15 @@
 """Command: grow the cracks of a scene on all ranks and leave curves, pictures and ParaView files.
 
-``mpirun -n RANKS pearlite run [SCENE.toml] [-- PETSc options]``
+``pearlite run [--ranks N] [SCENE.toml] [-- PETSc options]``
 """
 
 import argparse
 import json
 import logging
-import os
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from time import monotonic
 
@@ -21,24 +21,32 @@ from pearlite_petsc.command_line import (
     complain,
     expected_ranks,
     given_arguments,
+    is_first_rank,
     say,
 )
 from pearlite_petsc.config import load_scene, load_scene_text, scene_schema
+from pearlite_petsc.ensemble.folder import find_earlier_run
+from pearlite_petsc.ensemble.stop import StopRequest
+from pearlite_petsc.ensemble.tasks import refuse_few_ranks
 from pearlite_petsc.errors import PearliteError, SceneError
 from pearlite_petsc.exit_status import ExitStatus
+from pearlite_petsc.launch.channel import Channel
+from pearlite_petsc.launch.display import Screen, Standing, display_of_rank, started_by_mpi
+from pearlite_petsc.launch.mpirun import launch_run, missing_modules
 from pearlite_petsc.output.experiment import read_experiment
 from pearlite_petsc.output.results import read_results
 from pearlite_petsc.scene import Scene
 from pearlite_petsc.world import world
 
 _EXAMPLES = """examples:
-  mpirun -n 2 pearlite run                         the quickstart on two ranks
-  mpirun -n 8 pearlite run runs/paper.toml --resume
-  pearlite run my.toml --set loading.delta_k_mpa_sqrt_m=[10,20] --dry-run
+  pearlite run --ranks 2                           the quickstart on two ranks
+  pearlite run --ranks 8 runs/paper.toml --resume
+  pearlite run runs/first_curve.toml --set loading.delta_k_mpa_sqrt_m=[10,20] --dry-run
   pearlite run runs/quickstart/results.h5 --output runs/again
-  pearlite run my.toml -- -log_view -ksp_type cg -pc_type cholesky
+  pearlite run runs/first_curve.toml --overwrite -- -log_view -ksp_type cg -pc_type cholesky
+  mpirun -n 2 pearlite run                         --ranks 2 by hand; srun and mpiexec alike
 
-Without mpirun (or srun) it runs on one rank; cracks are shared out among the ranks there are.
+Cracks are shared out among the ranks. ./pearlite.sh run takes the same arguments, on all cores.
 Units: lengths in um, Delta-K in MPa sqrt(m), stresses in MPa; the key's name ends in its unit.
 Exit status: 0 done, 1 error or output not writable, 2 bad input (nothing written), 3 some tasks
 failed, 130 stopped by a signal or the wall time; --resume goes on from there.
@@ -65,8 +73,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if chosen.dry_run:
         from pearlite_petsc.ensemble.estimate import dry_run_text
 
-        say(dry_run_text(scene, folder, expected_ranks()))
+        say(dry_run_text(scene, folder, chosen.ranks or expected_ranks()))
         return ExitStatus.DONE
+    missing = missing_modules()
+    if missing:
+        complain(missing)
+        return ExitStatus.BROKEN
+    if chosen.ranks is not None and not started_by_mpi():
+        try:
+            refuse_few_ranks(scene, chosen.ranks)
+            find_earlier_run(folder, scene, chosen.resume, chosen.overwrite)
+        except SceneError as error:
+            complain(str(error))
+            return ExitStatus.BAD_INPUT
+        return launch_run(given, chosen.ranks, folder)
     return _start(chosen, scene, folder, petsc, ["pearlite_petsc.run", *given], started)
 
 
@@ -78,40 +98,63 @@ def _start(
     command: Sequence[str],
     started: float,
 ) -> int:
-    """Start MPI and PETSc and run; an unexpected error ends all ranks."""
-    ranks = world()
-    try:
-        from pearlite_petsc.solver.initialize import initialize_petsc
+    """Be one rank of the run; return its exit status."""
+    with ExitStack() as stack:
+        # First, so that a signal is remembered from here on, whatever it comes into.
+        request = stack.enter_context(StopRequest(chosen.max_walltime, started))
+        channel = Channel.connect()
+        screen: Screen = channel or stack.enter_context(display_of_rank())
+        if is_first_rank():
+            screen.stand(Standing("starting MPI and PETSc"))
+        ranks = world()
+        try:
+            from pearlite_petsc.solver.initialize import initialize_petsc
 
-        # Whatever imports PETSc first starts it, so this comes before all that computes.
-        initialize_petsc(petsc)
-        from pearlite_petsc.ensemble.session import Session, Settings
+            # Whatever imports PETSc first starts it, so this comes before all that computes.
+            initialize_petsc(petsc)
+            from pearlite_petsc.ensemble.session import Session, Settings
 
-        settings = Settings(
-            folder,
-            chosen.resume,
-            chosen.overwrite,
-            chosen.retry_failed,
-            chosen.checkpoint_interval,
-            chosen.max_walltime,
-            tuple(command),
-        )
-        return Session(ranks, scene, settings, started, _on_terminal()).run()
-    except SceneError as error:
-        # Raised on all ranks alike.
-        if ranks.rank == 0:
-            sys.stderr.write(f"{error}\n")
-        return ExitStatus.BAD_INPUT
-    except BaseException as error:
-        if isinstance(error, PearliteError):
-            sys.stderr.write(f"{error}\n")
-        else:
-            traceback.print_exc()
-        logging.getLogger(__name__).exception("unexpected error")
-        if ranks.size > 1:
-            sys.stderr.flush()
-            ranks.Abort(ExitStatus.BROKEN)
-        return ExitStatus.BROKEN
+            settings = Settings(
+                folder,
+                chosen.resume,
+                chosen.overwrite,
+                chosen.retry_failed,
+                chosen.checkpoint_interval,
+                tuple(command),
+            )
+            status = Session(ranks, scene, settings, started, request, screen).run()
+            return _end(channel, screen, status, "", ranks.rank == 0)
+        except SceneError as error:
+            # Raised on all ranks alike.
+            return _end(channel, screen, ExitStatus.BAD_INPUT, str(error), ranks.rank == 0)
+        except BaseException as error:
+            logging.getLogger(__name__).exception("unexpected error")
+            status = _end(channel, screen, ExitStatus.BROKEN, _last_words(error, ranks.rank), True)
+            if ranks.size > 1:
+                ranks.Abort(ExitStatus.BROKEN)
+            return status
+
+
+def _end(channel: Channel | None, screen: Screen, status: int, text: str, speaks: bool) -> int:
+    """Tell how the run ended; return this rank's exit status, 0 where the launcher gives it."""
+    if channel is None:
+        if text and speaks:
+            screen.trouble(text)
+        return status
+    if speaks:
+        channel.end(status, text)
+    # mpirun would have a good deal to say about any other.
+    return ExitStatus.DONE
+
+
+def _last_words(error: BaseException, rank: int) -> str:
+    if isinstance(error, PearliteError):
+        return str(error)
+    trace = "".join(traceback.format_exception(error))
+    return (
+        f"{trace}pearlite: an error of the program on rank {rank} ended the run "
+        f"({type(error).__name__}); what is finished is kept, --resume goes on"
+    )
 
 
 def _scene(chosen: argparse.Namespace) -> Scene:
@@ -146,6 +189,8 @@ def _check_options(chosen: argparse.Namespace, petsc: Sequence[str]) -> None:
         raise SceneError("--resume and --overwrite exclude each other")
     if chosen.retry_failed and not chosen.resume:
         raise SceneError("--retry-failed needs --resume")
+    if chosen.ranks is not None and chosen.ranks < 1:
+        raise SceneError(f"--ranks {chosen.ranks} is not a positive whole number")
     for name in ("checkpoint_interval", "max_walltime"):
         value = getattr(chosen, name)
         if value is not None and not value >= 0.0:
@@ -170,6 +215,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--overwrite", action="store_true", help="remove what an earlier run left there")
     add("--dry-run", action="store_true", help="print scene, size, memory and expected time only")
     add("--schema", action="store_true", help="print the JSON schema of scene files")
+    add("--ranks", type=int, metavar="N", help="start N ranks with mpirun; default: one process")
     add("--ranks-per-task", type=int, metavar="N", help="ranks that share a crack; default 1")
     add(
         "--checkpoint-interval",
@@ -180,16 +226,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     add("--max-walltime", type=float, metavar="S", help="stop cleanly after so many seconds")
     return parser
-
-
-def _on_terminal() -> bool:
-    """Return whether a user looks at standard output; Open MPI shows its ranks a false terminal."""
-    if "OMPI_COMM_WORLD_RANK" in os.environ:
-        try:
-            return os.readlink(f"/proc/{os.getppid()}/fd/1").startswith(("/dev/pts/", "/dev/tty"))
-        except OSError:
-            return False
-    return sys.stdout.isatty()
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ from tests.source import (
 COMMANDS = {name.replace("-", "_") for name in LISTED_COMMANDS}
 LAYERS: tuple[set[str], ...] = (
     {"arrays", "errors", "exit_status", "world"},
-    {"laws"},
+    {"laws", "launch"},
     {"scene"},
     {"microstructure"},
     {"tessellation"},

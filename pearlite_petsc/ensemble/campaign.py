@@ -20,6 +20,7 @@ from pearlite_petsc.ensemble.stop import StopRequest
 from pearlite_petsc.ensemble.store import Store
 from pearlite_petsc.ensemble.tasks import Task, all_tasks
 from pearlite_petsc.ensemble.worker import Worker
+from pearlite_petsc.launch.display import Screen
 from pearlite_petsc.scene import Scene
 
 _log = logging.getLogger(__name__)
@@ -75,7 +76,7 @@ class Campaign:
         found: What ``look_back`` found, on the first rank.
         interval: Seconds between checkpoints of a crack.
         request: Signals and wall time of this rank.
-        terminal: Whether standard output is a terminal.
+        screen: What the user sees.
 
     Attributes:
         seconds: Time that ``run`` took [s].
@@ -90,7 +91,7 @@ class Campaign:
         found: Found | None,
         interval: float,
         request: StopRequest,
-        terminal: bool,
+        screen: Screen,
     ) -> None:
         self._world, self._scene, self._folder = world, scene, folder
         self._interval, self._request = interval, request
@@ -108,7 +109,7 @@ class Campaign:
         self._progress: Progress | None = None
         if world.rank == 0:
             path, groups = folder / "progress.json", self._group.count
-            self._progress = Progress(path, self._tasks, self._forecast, groups, terminal)
+            self._progress = Progress(path, self._tasks, self._forecast, groups, screen)
 
     def run(self) -> tuple[int, int, int]:
         """Return how many tasks are done, failed and open on all ranks together. Collective."""

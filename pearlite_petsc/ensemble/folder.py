@@ -1,7 +1,9 @@
 """The output folder: who may write into it, what is removed, what a run finds there again."""
 
+import errno
 import fcntl
 import json
+import os
 import shutil
 from pathlib import Path
 from time import monotonic, sleep
@@ -14,7 +16,7 @@ from pearlite_petsc.config import (
 )
 from pearlite_petsc.ensemble.sealed_file import PROGRAM
 from pearlite_petsc.errors import SceneError
-from pearlite_petsc.output.whole_file import whole_file
+from pearlite_petsc.output.whole_file import unusable, whole_file
 from pearlite_petsc.scene import Scene
 
 MARK = Path("checkpoint") / "run.json"
@@ -54,7 +56,7 @@ class OutputFolder:
         self.path = path
         self._lock: IO[str] | None = None
         try:
-            found = self._look(scene, resume, overwrite)
+            found = find_earlier_run(path, scene, resume, overwrite)
             (path / "checkpoint").mkdir(parents=True, exist_ok=True)
             self._take_lock()
             if found and not resume:
@@ -62,7 +64,7 @@ class OutputFolder:
             self._enter(scene)
         except OSError as error:
             self.close()
-            raise SceneError(f"{path}: cannot be used as output: {error.strerror}") from None
+            raise unusable(path, error) from None
         self.resumed = found and resume
 
     def close(self) -> None:
@@ -70,22 +72,6 @@ class OutputFolder:
         if self._lock is not None:
             self._lock.close()
             self._lock = None
-
-    def _look(self, scene: Scene, resume: bool, overwrite: bool) -> bool:
-        """Return whether an earlier run of this program is there and may be gone on with."""
-        path = self.path
-        if path.exists() and not path.is_dir():
-            raise SceneError(f"{path}: is a file, the output needs a folder")
-        if not path.exists() or not any(path.iterdir()):
-            return False
-        mark = path / MARK
-        if not mark.is_file():
-            raise SceneError(f"{path}: exists and was not made by {PROGRAM}; choose another folder")
-        if not resume and not overwrite:
-            raise SceneError(f"{path}: exists; --resume goes on with it, --overwrite replaces it")
-        if resume:
-            refuse_other_scene(mark, scene)
-        return True
 
     def _take_lock(self) -> None:
         self._lock = (self.path / "checkpoint" / "lock").open("a+")
@@ -130,6 +116,38 @@ class OutputFolder:
             partial.write_text(json.dumps(mark, indent=1) + "\n", encoding="utf-8")
         with whole_file(self.path / "scene.resolved.toml") as partial:
             partial.write_text(text, encoding="utf-8")
+
+
+def find_earlier_run(path: Path, scene: Scene, resume: bool, overwrite: bool) -> bool:
+    """Return whether an earlier run of this program is there and may be gone on with or removed.
+
+    Nothing is written, so that it can be asked before MPI is there.
+
+    Args:
+        path: The output folder.
+        scene, resume, overwrite: As for ``OutputFolder``.
+
+    Raises:
+        SceneError: The folder cannot be used.
+    """
+    if path.exists() and not path.is_dir():
+        raise SceneError(f"{path}: is a file; --output needs a folder")
+    nearest = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        number = errno.EROFS if os.geteuid() == 0 else errno.EACCES
+        raise unusable(path, OSError(number, os.strerror(number)))
+    if not path.exists() or not any(path.iterdir()):
+        return False
+    mark = path / MARK
+    if not mark.is_file():
+        raise SceneError(
+            f"{path}: exists and was not made by {PROGRAM}; choose another with --output"
+        )
+    if not resume and not overwrite:
+        raise SceneError(f"{path}: exists; --resume goes on with it, --overwrite replaces it")
+    if resume:
+        refuse_other_scene(mark, scene)
+    return True
 
 
 def refuse_other_scene(mark: Path, scene: Scene) -> None:

@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 
 from mpi4py import MPI
 
-from pearlite_petsc.ensemble.say import say
 from pearlite_petsc.growth.first_rank import on_first
+from pearlite_petsc.launch.display import say
 
 T = TypeVar("T")
 

@@ -16,6 +16,7 @@ from pearlite_petsc.ensemble.status import COLUMNS, Status
 from pearlite_petsc.ensemble.store import Store
 from pearlite_petsc.ensemble.tasks import all_tasks
 from pearlite_petsc.fatigue.outcome import Outcome
+from pearlite_petsc.launch.display import Screen, Standing
 from pearlite_petsc.output.experiment import read_experiment
 from pearlite_petsc.output.provenance import write_provenance
 from pearlite_petsc.output.results import read_results, write_results
@@ -71,6 +72,7 @@ def draw_and_report(
     scene: Scene,
     provenance: Mapping[str, Any],
     stopping: Callable[[], int],
+    screen: Screen,
 ) -> bool:
     """Draw the figures, shared out among the ranks, and write ``report.html``.
 
@@ -82,6 +84,7 @@ def draw_and_report(
         scene: The scene.
         provenance: What ran, where and when.
         stopping: Not 0 where this rank is to draw no more.
+        screen: What the user sees.
 
     Returns:
         Whether everything was drawn.
@@ -99,12 +102,16 @@ def draw_and_report(
         result = Result(folder, scene, outcomes, measured)
         jobs = figure_jobs(result)
     count = world.bcast(len(jobs))
+    if world.rank == 0:
+        screen.line(f"drawing {count} figures")
     start = (np.zeros(count, dtype=np.int64), np.full((count, len(COLUMNS)), np.nan))
     board = Board(world, *(start if world.rank == 0 else (None, None)))
     fine = True
-    for name, draw in _claimed(board, jobs):
+    for number, (name, draw) in _claimed(board, jobs):
         if stopping():
             break
+        if world.rank == 0:
+            screen.stand(Standing(f"drawing figure {number + 1} of {count}"))
         try:
             draw()
         except Exception:
@@ -113,6 +120,7 @@ def draw_and_report(
     wait_for_all(world, board.tick)
     board.close()
     if world.rank == 0 and result is not None:
+        screen.stand(Standing("writing the report"))
         write_report(folder / "report.html", result, scene_to_toml(scene), provenance)
     return bool(world.allreduce(fine, MPI.LAND))
 
@@ -128,7 +136,7 @@ def _sessions(path: Path, provenance: Mapping[str, Any], finished: int) -> list[
     return [*earlier, this]
 
 
-def _claimed(board: Board, jobs: Sequence[Job]) -> Iterator[Job]:
+def _claimed(board: Board, jobs: Sequence[Job]) -> Iterator[tuple[int, Job]]:
     for number, job in enumerate(jobs):
         if board.status()[number] == Status.OPEN and board.claim(number):
-            yield job
+            yield number, job

@@ -1,20 +1,19 @@
-"""What a user sees of a run: a bar on a terminal or one line a task, and ``progress.json``."""
+"""What a user is told of a growing ensemble: a line a task, where it stands, ``progress.json``."""
 
 import json
 import logging
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from time import monotonic
-from typing import Any, TextIO
+from typing import Any
 
 import numpy as np
 
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.ensemble.expected import Forecast
-from pearlite_petsc.ensemble.say import say
 from pearlite_petsc.ensemble.status import REASONS, Status
 from pearlite_petsc.ensemble.tasks import Task
+from pearlite_petsc.launch.display import Screen, Standing, clock
 from pearlite_petsc.output.tables import UM_PER_M
 from pearlite_petsc.output.whole_file import whole_file
 
@@ -22,7 +21,6 @@ _log = logging.getLogger(__name__)
 
 LOOK_SECONDS = 0.25
 FILE_SECONDS = 1.0
-BAR_WIDTH = 30
 
 
 class Progress:
@@ -33,8 +31,7 @@ class Progress:
         tasks: All tasks.
         forecast: Expected wall times.
         groups: Groups at work.
-        terminal: Whether ``stream`` is a terminal that shows a bar.
-        stream: Where to show it.
+        screen: Where to show it.
     """
 
     def __init__(
@@ -43,11 +40,10 @@ class Progress:
         tasks: Sequence[Task],
         forecast: Forecast,
         groups: int,
-        terminal: bool,
-        stream: TextIO = sys.stdout,
+        screen: Screen,
     ) -> None:
         self._path, self._tasks, self._forecast, self._groups = path, tasks, forecast, groups
-        self._terminal, self._stream = terminal, stream
+        self._screen = screen
         self._started = monotonic()
         self._looked = self._filed = -np.inf
         self._since = np.full(len(tasks), np.nan)
@@ -80,11 +76,11 @@ class Progress:
         for place, number in enumerate(fresh):
             line = self._line(int(number), values[number], count - len(fresh) + 1 + place)
             tail = f"running {active}  failed {failed}  {clock(left)} left"
-            if not self._terminal:
-                say(self._stream, f"{line}  {tail}\n")
+            self._screen.line(f"{line}  {tail}")
             _log.info("%s", line)
-        if self._terminal:
-            self._bar(count, active, failed, left, last)
+        if not last:
+            total = len(self._tasks)
+            self._screen.stand(Standing("growing", count, active, failed, total, left))
         if last or now - self._filed >= FILE_SECONDS:
             self._filed = now
             self._write(status, left, now, last)
@@ -104,15 +100,6 @@ class Progress:
         waiting = expected[status == Status.OPEN].sum()
         return max(float(waiting + rest.sum()) / self._groups, float(rest.max(initial=0.0)))
 
-    def _bar(self, count: int, active: int, failed: int, left: float, last: bool) -> None:
-        total = len(self._tasks)
-        filled = BAR_WIDTH * count // max(total, 1)
-        bar = "#" * filled + "-" * (BAR_WIDTH - filled)
-        text = (
-            f"[{bar}] {count}/{total} done, {active} running, {failed} failed, {clock(left)} left"
-        )
-        say(self._stream, f"\r\x1b[2K{text}" + ("\n" if last else ""))
-
     def _write(self, status: IntArray, left: float, now: float, last: bool) -> None:
         content: dict[str, Any] = {
             "total": len(status),
@@ -128,10 +115,3 @@ class Progress:
                 partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
         except OSError as error:
             _log.warning("progress.json cannot be written: %s", error)
-
-
-def clock(seconds: float) -> str:
-    """Return a time as minutes and seconds, with hours if there are any."""
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"

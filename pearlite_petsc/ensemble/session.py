@@ -1,7 +1,6 @@
 """One run from the output folder to the report: what the command does once MPI is there."""
 
 import logging
-import sys
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
@@ -18,12 +17,12 @@ from pearlite_petsc.config import method_warnings
 from pearlite_petsc.ensemble.campaign import Campaign, Found, look_back
 from pearlite_petsc.ensemble.folder import OutputFolder
 from pearlite_petsc.ensemble.products import draw_and_report, write_products
-from pearlite_petsc.ensemble.progress import clock
-from pearlite_petsc.ensemble.say import say
 from pearlite_petsc.ensemble.status import Status
 from pearlite_petsc.ensemble.stop import NOT_WRITABLE, StopRequest, describe
+from pearlite_petsc.ensemble.tasks import refuse_few_ranks
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.exit_status import ExitStatus
+from pearlite_petsc.launch.display import Screen, Standing, clock
 from pearlite_petsc.output.provenance import provenance
 from pearlite_petsc.scene import Scene
 from pearlite_petsc.solver.petsc_build import petsc_facts
@@ -41,7 +40,6 @@ class Settings:
         folder: Output folder.
         resume, overwrite, retry_failed: What to do with what is there.
         interval: Seconds between checkpoints of a crack.
-        wall_time: Seconds after which to stop, None for no limit.
         command: Command line as given.
     """
 
@@ -50,7 +48,6 @@ class Settings:
     overwrite: bool
     retry_failed: bool
     interval: float
-    wall_time: float | None
     command: tuple[str, ...]
 
 
@@ -62,14 +59,21 @@ class Session:
         scene: The scene.
         settings: The command line.
         started: When the program started, by ``time.monotonic``.
-        terminal: Whether standard output is a terminal.
+        request: Signals and wall time of this rank.
+        screen: What the user sees.
     """
 
     def __init__(
-        self, world: MPI.Comm, scene: Scene, settings: Settings, started: float, terminal: bool
+        self,
+        world: MPI.Comm,
+        scene: Scene,
+        settings: Settings,
+        started: float,
+        request: StopRequest,
+        screen: Screen,
     ) -> None:
         self._world, self._scene, self._settings = world, scene, settings
-        self._started, self._terminal = started, terminal
+        self._started, self._request, self._screen = started, request, screen
         self._first = world.rank == 0
         self._began = datetime.now().astimezone()
 
@@ -80,11 +84,7 @@ class Session:
             SceneError: The output folder or what is in it cannot be used; on all ranks.
         """
         scene, settings, world = self._scene, self._settings, self._world
-        if scene.ensemble.ranks_per_task > world.size:
-            raise SceneError(
-                f"[ensemble] ranks_per_task = {scene.ensemble.ranks_per_task} is more than the "
-                f"{world.size} rank(s) of this run"
-            )
+        refuse_few_ranks(scene, world.size)
         with ExitStack() as stack:
             output = self._on_first(
                 lambda: OutputFolder(settings.folder, scene, settings.resume, settings.overwrite)
@@ -95,16 +95,19 @@ class Session:
             found = self._on_first(lambda: look_back(settings.folder, scene, settings.retry_failed))
             if found is not None and output is not None:
                 self._announce(found, output.resumed)
-            request = stack.enter_context(StopRequest(settings.wall_time, self._started))
             campaign = Campaign(
-                world, scene, settings.folder, found, settings.interval, request, self._terminal
+                world,
+                scene,
+                settings.folder,
+                found,
+                settings.interval,
+                self._request,
+                self._screen,
             )
             stack.callback(campaign.close)
-            return self._finish(campaign, campaign.run(), request)
+            return self._finish(campaign, campaign.run())
 
-    def _finish(
-        self, campaign: Campaign, counts: tuple[int, int, int], request: StopRequest
-    ) -> int:
+    def _finish(self, campaign: Campaign, counts: tuple[int, int, int]) -> int:
         """Write what there is and return the exit status."""
         done, failed, missing = counts
         stop = campaign.stop_code()
@@ -118,17 +121,20 @@ class Session:
         }
         written = True
         if self._first:
+            self._screen.stand(Standing("writing the results"))
             try:
                 write_products(folder, self._scene, facts)
             except (OSError, RuntimeError) as error:
                 _log.error("the results cannot be written: %s", error)
-                say(sys.stderr, f"{folder}: the results cannot be written: {error}\n")
+                self._screen.trouble(f"{folder}: the results cannot be written: {error}")
                 written = False
         written = self._world.bcast(written)
         drawn, shown = True, folder
         if written and not stop and self._scene.output.figures:
-            drawn = draw_and_report(self._world, folder, self._scene, facts, request.code)
-            stop = self._world.allreduce(request.code(), MPI.MAX)
+            drawn = draw_and_report(
+                self._world, folder, self._scene, facts, self._request.code, self._screen
+            )
+            stop = self._world.allreduce(self._request.code(), MPI.MAX)
             shown = folder / "report.html"
         summary = f"{done} done, {failed} failed, {missing} missing"
         if stop:
@@ -172,7 +178,7 @@ class Session:
 
     def _say(self, text: str) -> None:
         if self._first:
-            say(sys.stdout, f"{text}\n")
+            self._screen.line(text)
             _log.info("%s", text)
 
     def _on_first(self, function: Callable[[], T]) -> T | None:

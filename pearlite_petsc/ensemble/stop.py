@@ -6,7 +6,7 @@ from time import monotonic
 from types import FrameType, TracebackType
 from typing import Any
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGHUP)
 
 WALL_TIME = 1000
 """Stop code of the wall time; a signal's is its number."""
@@ -41,7 +41,10 @@ class StopRequest:
 
     def __enter__(self) -> "StopRequest":
         handler: Callable[[int, FrameType | None], None] = self._remember
-        self._before = {number: signal.signal(number, handler) for number in SIGNALS}
+        for number in SIGNALS:
+            # nohup and shells let what they start ignore some for good.
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                self._before[number] = signal.signal(number, handler)
         return self
 
     def __exit__(

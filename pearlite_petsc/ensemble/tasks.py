@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from pearlite_petsc.errors import SceneError
 from pearlite_petsc.output.tables import task_name
 from pearlite_petsc.scene import Scene, State
 
@@ -39,3 +40,16 @@ def all_tasks(scene: Scene) -> tuple[Task, ...]:
         for number, (state, index) in enumerate(microstructures)
         for place, delta_k in enumerate(levels)
     )
+
+
+def refuse_few_ranks(scene: Scene, ranks: int) -> None:
+    """Check that a task finds the ranks that are to share it.
+
+    Raises:
+        SceneError: A run on so few ranks has no group.
+    """
+    if scene.ensemble.ranks_per_task > ranks:
+        raise SceneError(
+            f"[ensemble] ranks_per_task = {scene.ensemble.ranks_per_task} is more than the "
+            f"{ranks} rank(s) of this run"
+        )

@@ -11,7 +11,6 @@ import numpy as np
 from pearlite_petsc.ensemble.board import Board
 from pearlite_petsc.ensemble.crack import Ground, NotWritableError, failed, grow_task, write
 from pearlite_petsc.ensemble.expected import Forecast
-from pearlite_petsc.ensemble.say import say
 from pearlite_petsc.ensemble.schedule import next_task
 from pearlite_petsc.ensemble.status import Status, status_of, values_of
 from pearlite_petsc.ensemble.stop import NOT_WRITABLE
@@ -20,6 +19,7 @@ from pearlite_petsc.ensemble.tasks import Task
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
 from pearlite_petsc.growth.first_domain import FirstDomain
 from pearlite_petsc.growth.prepared import Prepared, prepare_growth
+from pearlite_petsc.launch.display import say
 from pearlite_petsc.output.tables import write_growth
 
 _log = logging.getLogger(__name__)

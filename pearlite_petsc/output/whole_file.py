@@ -32,4 +32,11 @@ def make_folder(path: Path) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise SceneError(f"{path}: cannot be used as output: {error.strerror}") from None
+        raise unusable(path, error) from None
+
+
+def unusable(path: Path, error: OSError) -> SceneError:
+    """Return the error of an output folder that the system refuses."""
+    return SceneError(
+        f"{path}: cannot be used as output ({error.strerror}); choose another with --output"
+    )

@@ -1,7 +1,9 @@
 """The run command: bad input is one message and nothing written; dry runs compute nothing."""
 
+import importlib.util
 import json
 import tomllib
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -210,3 +212,87 @@ def one_message_or_dry_run(
         assert out == ""
         assert err.count("\n") == 1
         assert "scene.toml" in err or "measured points" in err
+
+
+@pytest.mark.parametrize("rank", ["0", "1"])
+@pytest.mark.parametrize("option", ["--help", "--version", "--schema"])
+def test_what_needs_no_run_is_said_by_the_first_rank_alone(
+    rank: str, option: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OMPI_COMM_WORLD_RANK", rank)
+    with suppress(SystemExit):
+        assert run.main([option]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert bool(out) == (rank == "0")
+
+
+def test_the_examples_of_the_help_use_scenes_that_everybody_has() -> None:
+    named = {word for word in run._EXAMPLES.split() if word.endswith(".toml")}
+    assert named
+    for name in named:
+        assert (RUNS.parent / name).is_file(), name
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        (["--ranks", "0"], "--ranks 0 is not a positive whole number"),
+        (["--ranks", "two"], "invalid int value: 'two'"),
+        (["--ranks", "2", "--ranks-per-task", "3"], "is more than the 2 rank(s) of this run"),
+        (["--ranks", "2", "--output", "other"], "other: exists and was not made by"),
+        (["--ranks", "2", "--output", "file"], "file: is a file; --output needs a folder"),
+    ],
+)
+def test_the_launcher_refuses_what_the_ranks_would(
+    arguments: list[str],
+    message: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("pearlite_petsc.run.launch_run", lambda *given: pytest.fail("started"))
+    Path("other").mkdir()
+    Path("other/mine.txt").write_text("mine")
+    Path("file").write_text("")
+    assert message in refusal(capsys, *arguments)
+
+
+def test_a_folder_that_cannot_be_written_names_the_option(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("os.access", lambda path, mode: False)
+    monkeypatch.setattr("pearlite_petsc.run.launch_run", lambda *given: pytest.fail("started"))
+    message = refusal(capsys, "--ranks", "2", "--output", "deep/inside")
+    assert message.startswith("deep/inside: cannot be used as output (")
+    assert "choose another with --output" in message
+
+
+@pytest.mark.parametrize(
+    "ranks, names", [([], ("petsc4py",)), (["--ranks", "2"], ("mpi4py", "petsc4py"))]
+)
+def test_missing_modules_are_one_line_with_what_helps(
+    ranks: list[str],
+    names: tuple[str, ...],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = importlib.util.find_spec
+
+    def find(name: str) -> object:
+        return None if name in names else found(name)
+
+    monkeypatch.setattr("importlib.util.find_spec", find)
+    assert run.main(ranks) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert err.startswith(f"{' and '.join(names)} cannot be found by ")
+    assert ". .venv/bin/activate" in err
+
+
+def test_a_missing_mpirun_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", "/nowhere")
+    assert run.main(["--ranks", "2"]) == 1
+    assert capsys.readouterr().err.count("mpirun is not found") == 1

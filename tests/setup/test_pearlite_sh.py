@@ -13,12 +13,13 @@ NOT_INSTALLED = "#!/bin/sh\nexit 1\n"
 USER = "#!/bin/sh\necho 1000\n"
 
 
-def mpirun_that_tells(checkout: Checkout) -> None:
-    """Put a stand-in that prints its arguments into the environment that has been set up."""
-    mpirun = checkout.folder / ".venv" / "bin" / "mpirun"
-    mpirun.unlink()
-    mpirun.write_text('#!/bin/sh\nprintf "%s " "$@"\n')
-    mpirun.chmod(0o755)
+def run_call(checkout: Checkout, *arguments: str, **environment: str) -> str:
+    """Return how ``run`` calls Python once everything is set up."""
+    checkout.calls()
+    done = checkout.call("run", *arguments, **environment)
+    assert done.returncode == 0, done.stderr
+    (call,) = checkout.calls()
+    return call
 
 
 def message(done: subprocess.CompletedProcess[str]) -> str:
@@ -232,9 +233,8 @@ def test_own_petsc_that_is_no_folder_is_refused(checkout: Checkout) -> None:
 
 def test_run_starts_as_many_ranks_as_asked_for(checkout: Checkout) -> None:
     checkout.call("setup")
-    mpirun_that_tells(checkout)
-    done = checkout.call("run", "a b.toml", "--dry-run", PEARLITE_RANKS="3")
-    assert done.stdout == "-n 3 python -m pearlite_petsc.run a b.toml --dry-run "
+    call = run_call(checkout, "a b.toml", "--dry-run", PEARLITE_RANKS="3")
+    assert call == "python -m pearlite_petsc.run --ranks 3 a b.toml --dry-run"
 
 
 @pytest.mark.parametrize("value", ["0", "-1", "two", "1.5", "2 --help"])
@@ -246,11 +246,10 @@ def test_number_of_ranks_that_is_none_is_refused(checkout: Checkout, value: str)
 
 def test_threads_a_rank_do_not_change_the_number_of_ranks(checkout: Checkout) -> None:
     checkout.call("setup")
-    mpirun_that_tells(checkout)
-    default = checkout.call("run").stdout
-    assert default.split()[:2] in [["-n", str(n + 1)] for n in range(os.cpu_count() or 1)]
-    assert checkout.call("run", OMP_NUM_THREADS="1").stdout == default
-    assert checkout.call("run", OMP_NUM_THREADS="64").stdout == default
+    default = run_call(checkout)
+    assert int(default.rpartition("--ranks ")[2]) in range(1, (os.cpu_count() or 1) + 1)
+    assert run_call(checkout, OMP_NUM_THREADS="1") == default
+    assert run_call(checkout, OMP_NUM_THREADS="64") == default
 
 
 def test_environment_has_one_thread_a_rank_and_allows_root_and_many_ranks(

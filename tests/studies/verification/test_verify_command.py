@@ -85,7 +85,8 @@ def test_an_output_that_is_a_file_is_refused(
     file.write_text("kept")
     assert main(["--quick", "--output", str(file)]) == 2
     out, err = capsys.readouterr()
-    assert (out, err) == ("", f"{file}: cannot be used as output: File exists\n")
+    assert out == ""
+    assert err == f"{file}: cannot be used as output (File exists); choose another with --output\n"
     assert file.read_text() == "kept"
 
 
