@@ -8,7 +8,7 @@ import numpy as np
 from mpi4py import MPI
 from scipy.spatial.distance import cdist
 
-from pearlite_petsc.arrays import FloatArray, IntArray
+from pearlite_petsc.arrays import FloatArray, IntArray, read_only
 from pearlite_petsc.fatigue.cycle_jumps.situation import Block, Memory, Situation
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.release import released, stiffness_ratio
@@ -54,8 +54,10 @@ class Blocks:
         self._failure_damage = scene.damage.failure_damage if self._nominal else 1.0
         # How far a break changes the stresses much [um].
         self._reach = 2.0 * max(scene.elements.width, scene.elements.length)
-        part, modulus = domain.part, scene.material.youngs_modulus
-        self._stiffness_ratio = stiffness_ratio(part.stiffness.k_n * part.length / modulus)
+        subdomain, modulus = domain.subdomain, scene.material.youngs_modulus
+        self._stiffness_ratio = stiffness_ratio(
+            subdomain.stiffness.k_n * subdomain.length / modulus
+        )
 
     def situation(self) -> Situation:
         """Return what the next block starts from."""
@@ -64,7 +66,7 @@ class Blocks:
         return Situation(
             damage=self.domain.damage,
             jump=self._jump,
-            stiffness=self.domain.part.stiffness,
+            stiffness=self.domain.subdomain.stiffness,
             law=self._rates.constants,
             failure_damage=self._failure_damage,
             nominal=self._nominal,
@@ -79,8 +81,10 @@ class Blocks:
         """Go on to the end of a block."""
         self.cycles += block.cycles
         self.fresh = self.broken_by(block.damage)
-        self.domain.failure_cycles[self.fresh] = self.cycles
-        self.domain.damage = block.damage
+        failure_cycles = self.domain.failure_cycles.copy()
+        failure_cycles[self.fresh] = self.cycles
+        self.domain.failure_cycles = read_only(failure_cycles)
+        self.domain.damage = read_only(block.damage)
         self.memory = block.memory
         self.counters.update(block.counts)
         self.is_solved = block.jump is not None
@@ -112,7 +116,7 @@ class Blocks:
         self._rates.see_breaks(ends)
         if self.memory.by_interface:
             points = ends.mean(axis=1)
-            near = cdist(self.domain.part.midpoint, points).min(axis=1) < self._reach
+            near = cdist(self.domain.subdomain.midpoint, points).min(axis=1) < self._reach
             known = {
                 name: np.where(near, np.nan, values)
                 for name, values in self.memory.by_interface.items()

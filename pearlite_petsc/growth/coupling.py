@@ -41,14 +41,14 @@ class Coupling:
     Args:
         domain: The mesh.
         tracker: The crack.
-        load: Load on own elements for a crack's tip; (own, 3).
+        load: Load on owned elements for a crack's tip; (owned, 3).
     """
 
     def __init__(
         self, domain: Domain, tracker: CrackTracker, load: Callable[[Point], FloatArray]
     ) -> None:
         self._domain, self._tracker, self._load = domain, tracker, load
-        self._constants = domain.part.spring_constants()
+        self._constants = domain.subdomain.spring_constants()
         self.compliance: Compliance | None = None
         self._pull: FloatArray | None = None
         self._pull_tip = tracker.tip
@@ -60,8 +60,8 @@ class Coupling:
             gain: Damage that each interface of this rank will gain in the block; (k,).
         """
         domain = self._domain
-        chosen = np.flatnonzero((gain > LEAST_GAIN) & domain.part.owned)
-        mine = np.stack([-gain[chosen], domain.part.interface[chosen]], axis=1)
+        chosen = np.flatnonzero((gain > LEAST_GAIN) & domain.subdomain.owns_interface)
+        mine = np.stack([-gain[chosen], domain.subdomain.interface_numbers[chosen]], axis=1)
         found = np.concatenate(domain.comm.allgather(mine))
         most = found[np.lexsort(found.T[::-1])[:MOST_COUPLED], 1]
         return np.sort(most.astype(np.int64))
@@ -73,7 +73,7 @@ class Coupling:
             numbers: Global numbers; (a,).
             values: Of this rank's interfaces; (k, ...).
         """
-        return from_owners(self._domain.comm, self._domain.part, numbers, values)
+        return from_owners(self._domain.comm, self._domain.subdomain, numbers, values)
 
     def with_values(self, numbers: IntArray, values: FloatArray, new: FloatArray) -> FloatArray:
         """Return values of this rank's interfaces with some of them replaced; (k, ...).
@@ -83,7 +83,7 @@ class Coupling:
             values: Of this rank's interfaces; (k, ...).
             new: Of those; (a, ...).
         """
-        row, place = places_here(self._domain.part, numbers)
+        row, place = places_here(self._domain.subdomain, numbers)
         result = values.copy()
         result[place] = new[row]
         return result
@@ -106,7 +106,7 @@ class Coupling:
             limit: D at which the block ends; (k,).
         """
         compliance, pull = self._compliance(numbers, drive.damage)
-        stiffness = self._domain.part.stiffness
+        stiffness = self._domain.subdomain.stiffness
         columns = [
             drive.damage,
             limit,
@@ -118,7 +118,7 @@ class Coupling:
             stiffness.k_n,
             stiffness.k_t,
         ]
-        _, place = places_owned(self._domain.part, numbers)
+        _, place = places_owned(self._domain.subdomain, numbers)
         advance = np.zeros((len(drive.damage), 2))
         for number in place:
             advance[number] = self._advance(number)
@@ -184,7 +184,7 @@ class Coupling:
         """Return the global numbers of all that softened since the factors were made. Collective."""
         domain = self._domain
         far = np.abs(damage - compliance.set_up_damage) > CHANGED
-        mine = domain.part.interface[far & domain.part.owned]
+        mine = domain.subdomain.interface_numbers[far & domain.subdomain.owns_interface]
         return np.asarray(np.concatenate(domain.comm.allgather(mine)))
 
     def _has_left_pull(self) -> bool:
@@ -204,8 +204,8 @@ class Coupling:
 
     def _advance(self, place: int) -> tuple[float, float]:
         """Return how far the tip would go if an interface broke [um]."""
-        part = self._domain.part
-        elements = part.numbers[part.pairs[place]].tolist()
-        junctions, ends = part.junctions[place].tolist(), part.ends[place].tolist()
+        subdomain = self._domain.subdomain
+        elements = subdomain.element_numbers[subdomain.interface_elements[place]].tolist()
+        junctions, ends = subdomain.junctions[place].tolist(), subdomain.ends[place].tolist()
         x, y = self._tracker.tip_after((elements, junctions, ends))
         return x - self._tracker.tip[0], y - self._tracker.tip[1]

@@ -25,7 +25,7 @@ class DamageRates:
         self._distance: FloatArray | None = None
         if domain.scene.damage.law.follows_crack:
             *_, ends = domain.share_edges(np.flatnonzero(domain.damage >= 1.0))
-            self._distance = crack_distance(domain.part.midpoint, ends)
+            self._distance = crack_distance(domain.subdomain.midpoint, ends)
         self.constants: RateConstants = domain.rate_constants(state, self._distance)
 
     def see_breaks(self, ends: FloatArray) -> None:
@@ -36,6 +36,6 @@ class DamageRates:
         """
         if self._distance is None or not len(ends):
             return
-        new = crack_distance(self._domain.part.midpoint, ends)
+        new = crack_distance(self._domain.subdomain.midpoint, ends)
         self._distance = np.minimum(self._distance, new)
         self.constants = self._domain.rate_constants(self._state, self._distance)

@@ -5,9 +5,10 @@ from mpi4py import MPI
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.growth.prepared import Prepared
 from pearlite_petsc.scene import Scene
+from pearlite_petsc.solver.closing import Closing
 
 
-class FirstDomain:
+class FirstDomain(Closing):
     """Keeps the last microstructure's first domain: matrix and preconditioner. Collective.
 
     Args:

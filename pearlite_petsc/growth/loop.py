@@ -241,7 +241,7 @@ class CrackGrowth:
         shares = {name: domain.scatter(arrays.get(name)) for name in names}
         self._blocks.resume(numbers, shares)
         set_up_damage = domain.scatter(arrays.get("set_up_damage"))
-        solution = self.comm.bcast(arrays.get("solution"))[domain.own]
+        solution = self.comm.bcast(arrays.get("solution"))[domain.subdomain.owned_elements]
         policy = policy_from_array(small["reuse"])
         domain.equilibrium.restore(EquilibriumState(set_up_damage, solution, policy))
         if "coupling_damage" in shares:
@@ -257,7 +257,7 @@ class CrackGrowth:
         damage = domain.gather(domain.damage)
         tip = None if domain.mesh is None else notch_tip(domain.mesh)
         self._tracker = CrackTracker(*self.comm.bcast(tip))
-        kind = domain.part.kind
+        kind = domain.subdomain.kind
         broken = domain.damage >= 1.0
         for notch in (True, False):
             chosen = np.flatnonzero(broken & ((kind == Kind.NOTCH) == notch))
@@ -360,7 +360,7 @@ class CrackGrowth:
         """Return what must lie well inside the fine zone on this rank [um]; (p, 2)."""
         domain = self.domain
         chosen = (domain.damage > ACTIVE_DAMAGE) & (domain.damage < 1.0)
-        return np.vstack([domain.part.midpoint[chosen], self._tracker.tip])
+        return np.vstack([domain.subdomain.midpoint[chosen], self._tracker.tip])
 
     def _replace_mesh(self) -> None:
         """Go on with a mesh whose fine zone covers the front again. Collective."""

@@ -21,17 +21,19 @@ def softening_tip(domain: Domain, tracker: CrackTracker, released: FloatArray) -
         released: Share of its force that each interface has let go, 1 where broken, by itself or on
             trial; (k,).
     """
-    part, tip = domain.part, tracker.tip
-    candidates = np.flatnonzero((released > SOFTENING) & (domain.damage < 1.0) & part.owned)
+    subdomain, tip = domain.subdomain, tracker.tip
+    candidates = np.flatnonzero(
+        (released > SOFTENING) & (domain.damage < 1.0) & subdomain.owns_interface
+    )
     best: tuple[float, int, Point] = (0.0, 0, tip)
-    pairs = part.numbers[part.pairs[candidates]].tolist()
-    junctions, ends = part.junctions[candidates].tolist(), part.ends[candidates].tolist()
+    pairs = subdomain.element_numbers[subdomain.interface_elements[candidates]].tolist()
+    junctions, ends = subdomain.junctions[candidates].tolist(), subdomain.ends[candidates].tolist()
     interfaces = zip(pairs, junctions, ends, strict=True)
     for number, interface in zip(candidates.tolist(), interfaces, strict=True):
         x, y = tracker.tip_after(interface)
         share = float(released[number])
         gain = share * (x - tip[0])
         point = tip[0] + gain, tip[1] + share * (y - tip[1])
-        best = max(best, (gain, -int(part.interface[number]), point))
+        best = max(best, (gain, -int(subdomain.interface_numbers[number]), point))
     best = max(domain.comm.allgather(best))
     return best[2]

@@ -33,13 +33,13 @@ class Compliance:
 
     def __init__(self, equilibrium: Equilibrium, damage: FloatArray) -> None:
         self._equilibrium, self._system = equilibrium, equilibrium.system
-        self._part, self._comm = self._system.part, self._system.comm
+        self._subdomain, self._comm = self._system.subdomain, self._system.comm
         self._factors = equilibrium.factors(damage)
-        self._constants = self._part.spring_constants()
+        self._constants = self._subdomain.spring_constants()
         self.numbers = np.empty(0, dtype=np.int64)
         self.batch = np.empty(0, dtype=np.int64)
         self._matrix = np.empty((0, 0))
-        self._columns = np.empty((3 * self._part.own, 0), order="F")
+        self._columns = np.empty((3 * self._subdomain.owned_count, 0), order="F")
 
     @property
     def set_up_damage(self) -> FloatArray:
@@ -59,7 +59,7 @@ class Compliance:
         """
         known = set(self.numbers.tolist())
         new = np.array([n for n in numbers.tolist() if n not in known], dtype=np.int64)
-        most = max(1, int(MOST_AT_ONCE / (9 * self._part.total)))
+        most = max(1, int(MOST_AT_ONCE / (9 * self._subdomain.element_count)))
         for start in range(0, len(new), most):
             self._add(new[start : start + most])
         if len(new) and self._factors.precondition:
@@ -71,9 +71,9 @@ class Compliance:
         number = self.batch[-1] + 1 if before else 0
         self.numbers = np.concatenate([self.numbers, new])
         self.batch = np.concatenate([self.batch, np.full(len(new), number)])
-        row, place = places_owned(self._part, self.numbers)
+        row, place = places_owned(self._subdomain, self.numbers)
         with stage("solve"):
-            unknowns = self._under_unit_pairs(new)[self._part.pairs[place]]
+            unknowns = self._under_unit_pairs(new)[self._subdomain.interface_elements[place]]
         opened = np.zeros((len(self.numbers), 3, 3 * len(new)))
         unknowns = unknowns.reshape(len(place), 6, 3 * len(new))
         opened[row] = self._system.operator[place] @ unknowns
@@ -87,10 +87,10 @@ class Compliance:
         self._matrix = grown
 
     def response(self, loads: Sequence[FloatArray]) -> FloatArray:
-        """Return the jumps of the part's interfaces under loads, at the set-up damage. Collective.
+        """Return the jumps of the subdomain's interfaces under loads, at the set-up damage. Collective.
 
         Args:
-            loads: (F_x, F_y, M) on own elements [uN, uN, uN um]; (own, 3) each.
+            loads: (F_x, F_y, M) on owned elements [uN, uN, uN um]; (owned, 3) each.
 
         Returns:
             Shape (k, 3, loads).
@@ -98,7 +98,7 @@ class Compliance:
         found = []
         for load in loads:
             with stage("solve"):
-                unknowns = self._factors.solve(self._part.right_hand_side(load))
+                unknowns = self._factors.solve(self._subdomain.right_hand_side(load))
                 found.append(self._system.jumps(unknowns))
         return np.stack(found, axis=2)
 
@@ -109,19 +109,19 @@ class Compliance:
 
         Args:
             numbers: Global ones, all added, the same on all ranks; (a,).
-            damage: Of the part's interfaces; (k,).
+            damage: Of the subdomain's interfaces; (k,).
             response: What ``response`` returned; (k, 3, l).
 
         Returns:
             C (3 a, 3 a) and the response of those interfaces (a, 3, l).
         """
-        springs = from_owners(self._comm, self._part, self.numbers, self._constants)
-        since = from_owners(self._comm, self._part, self.numbers, damage - self.set_up_damage)
+        springs = from_owners(self._comm, self._subdomain, self.numbers, self._constants)
+        since = from_owners(self._comm, self._subdomain, self.numbers, damage - self.set_up_damage)
         let_go = (springs * since[:, None]).ravel()
         row = {number: row for row, number in enumerate(self.numbers.tolist())}
         chosen = np.array([row[number] for number in numbers.tolist()], dtype=np.int64)
         rows = (3 * chosen[:, None] + np.arange(3)).ravel()
-        given = from_owners(self._comm, self._part, self.numbers, response)
+        given = from_owners(self._comm, self._subdomain, self.numbers, response)
         given = given.reshape(len(let_go), -1)
         system = np.eye(len(let_go)) - self._matrix * let_go
         found = np.linalg.solve(system, np.concatenate([self._matrix[:, rows], given], axis=1))
@@ -130,7 +130,7 @@ class Compliance:
 
     def _woodbury(self) -> Woodbury:
         """Return what turns the factors into those of another damage of the interfaces added."""
-        _, place = places_owned(self._part, self.numbers)
+        _, place = places_owned(self._subdomain, self.numbers)
         return Woodbury(
             place=place,
             damage=self.set_up_damage[place],
@@ -143,15 +143,15 @@ class Compliance:
 
     def _unknowns_of(self, place: IntArray) -> IntArray:
         """Return which unknowns B of this rank's interfaces takes; (a, 6)."""
-        elements = self._part.numbers[self._part.pairs[place]]
+        elements = self._subdomain.element_numbers[self._subdomain.interface_elements[place]]
         return np.asarray((3 * elements[:, :, None] + np.arange(3)).reshape(-1, 6))
 
     def _under_unit_pairs(self, numbers: IntArray) -> FloatArray:
         """Return the unknowns under unit pairs that open each jump of some interfaces. Collective.
 
-        Shape (own + g, 3, 3 a).
+        Shape (owned + g, 3, 3 a).
         """
-        row, place = places_owned(self._part, numbers)
+        row, place = places_owned(self._subdomain, numbers)
         values = self._system.operator[place]
         found = self._factors.solve_triples(row, self._unknowns_of(place), values, len(numbers))
         if self._factors.precondition:

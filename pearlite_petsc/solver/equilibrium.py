@@ -10,9 +10,9 @@ from pearlite_petsc.errors import SolverError
 from pearlite_petsc.scene import Solver
 from pearlite_petsc.solver.closing import Closing
 from pearlite_petsc.solver.factors import Factors
-from pearlite_petsc.solver.part import Part
 from pearlite_petsc.solver.preconditioner import Preconditioner, PreconditionerMaker
 from pearlite_petsc.solver.reuse import ReusePolicy, setup_cost
+from pearlite_petsc.solver.subdomain import Subdomain
 from pearlite_petsc.solver.system import LinearSystem
 
 RESIDUAL_LIMIT = 1e-6
@@ -25,7 +25,7 @@ class EquilibriumState:
 
     Attributes:
         set_up_damage: Damage that the preconditioner was made for; (k,).
-        solution: Last solution on own elements; (own, 3).
+        solution: Last solution on owned elements; (owned, 3).
         policy: How long the preconditioner is reused.
     """
 
@@ -51,7 +51,7 @@ class Equilibrium(Closing):
 
     Args:
         comm: The ranks.
-        part: This rank's share of the mesh.
+        subdomain: This rank's subdomain.
         damage: At the start, from now on read-only; shape (k,).
         settings: Method and tolerance.
         keep_first: Whether ``restart`` will be wanted, which keeps the first preconditioner.
@@ -60,14 +60,14 @@ class Equilibrium(Closing):
     def __init__(
         self,
         comm: MPI.Comm,
-        part: Part,
+        subdomain: Subdomain,
         damage: FloatArray,
         settings: Solver,
         keep_first: bool = False,
     ) -> None:
         self.counters: Counter[str] = Counter()
-        self.system = LinearSystem(comm, part, damage)
-        self.policy = ReusePolicy(setup_cost(3 * part.total))
+        self.system = LinearSystem(comm, subdomain, damage)
+        self.policy = ReusePolicy(setup_cost(3 * subdomain.element_count))
         self._maker = PreconditionerMaker(self.system, settings, self.counters)
         self._now = self._maker.main(finer=False)
         self._first = self._now if keep_first else None
@@ -83,23 +83,23 @@ class Equilibrium(Closing):
         self.system.close()
 
     @property
-    def part(self) -> Part:
-        """This rank's share of the mesh."""
-        return self.system.part
+    def subdomain(self) -> Subdomain:
+        """This rank's subdomain."""
+        return self.system.subdomain
 
     def update(self, damage: FloatArray) -> None:
-        """Take the damage of the part's interfaces, from now on read-only; shape (k,)."""
+        """Take the damage of the subdomain's interfaces, from now on read-only; shape (k,)."""
         self.system.update(damage)
 
     def solve(self, load: FloatArray, guess: FloatArray | None = None) -> FloatArray:
         """Return the unknowns in equilibrium with the load.
 
         Args:
-            load: (F_x, F_y, M) on own elements [uN, uN, uN um]; shape (own, 3).
+            load: (F_x, F_y, M) on owned elements [uN, uN, uN um]; shape (owned, 3).
             guess: Unknowns to start from; None starts from the last solution.
 
         Returns:
-            Unknowns (X, Y, phi) of own elements and ghosts [um]; shape (own + g, 3).
+            Unknowns (X, Y, phi) of owned elements and ghosts [um]; shape (owned + g, 3).
 
         Raises:
             SolverError: Neither CG nor a direct solver found the equilibrium.
@@ -117,7 +117,7 @@ class Equilibrium(Closing):
         return self.system.unknowns()
 
     def jumps(self, unknowns: FloatArray) -> FloatArray:
-        """Return (normal, tangential, rotational) jump of each interface of the part; (k, 3)."""
+        """Return (normal, tangential, rotational) jump of each interface of the subdomain; (k, 3)."""
         return self.system.jumps(unknowns)
 
     def renew(self) -> None:
@@ -159,7 +159,7 @@ class Equilibrium(Closing):
         others, which are kept until those of another damage are asked for.
 
         Args:
-            damage: Of the part's interfaces, from now on read-only; (k,).
+            damage: Of the subdomain's interfaces, from now on read-only; (k,).
         """
         now = self.system.damage
         self.update(damage)

@@ -46,10 +46,10 @@ class Factors(Closing):
         self._pc.destroy()
 
     def solve(self, right_hand_side: FloatArray) -> FloatArray:
-        """Return the unknowns of own elements and ghosts; (own + g, 3). Collective.
+        """Return the unknowns of owned elements and ghosts; (owned + g, 3). Collective.
 
         Args:
-            right_hand_side: In the units of the unknowns; (3 own,).
+            right_hand_side: In the units of the unknowns; (3 owned,).
         """
         self._b.setArray(right_hand_side)
         self._pc.apply(self._b, self._x)
@@ -67,7 +67,7 @@ class Factors(Closing):
             count: Triples of all ranks.
 
         Returns:
-            Shape (own + g, 3, 3 count).
+            Shape (owned + g, 3, 3 count).
         """
         if self._b.comm.size == 1 and self._pc.getType() in TYPES:
             return self._solve_at_once(triple, unknowns, values, count)

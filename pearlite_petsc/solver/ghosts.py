@@ -1,11 +1,11 @@
-"""Values of a rank's own elements and its ghosts, exchanged between neighbours by a scatter."""
+"""Values of a rank's owned elements and its ghosts, exchanged between neighbours by a scatter."""
 
 import numpy as np
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.solver.closing import Closing
-from pearlite_petsc.solver.part import Part
 from pearlite_petsc.solver.petsc import PETSc
+from pearlite_petsc.solver.subdomain import Subdomain
 
 
 class GhostExchange(Closing):
@@ -13,13 +13,13 @@ class GhostExchange(Closing):
 
     Args:
         vector: A vector of the unknowns.
-        part: This rank's share of the mesh.
+        subdomain: This rank's subdomain.
     """
 
-    def __init__(self, vector: PETSc.Vec, part: Part) -> None:
+    def __init__(self, vector: PETSc.Vec, subdomain: Subdomain) -> None:
         kind = PETSc.IntType
-        source = PETSc.IS().createBlock(3, part.ghosts.astype(kind), comm=PETSc.COMM_SELF)
-        self._ghost = PETSc.Vec().createSeq(3 * len(part.ghosts), bsize=3)
+        source = PETSc.IS().createBlock(3, subdomain.ghosts.astype(kind), comm=PETSc.COMM_SELF)
+        self._ghost = PETSc.Vec().createSeq(3 * len(subdomain.ghosts), bsize=3)
         target = PETSc.IS().createStride(self._ghost.getSize(), step=1, comm=PETSc.COMM_SELF)
         self._scatter = PETSc.Scatter().create(vector, source, self._ghost, target)
         source.destroy()
@@ -31,7 +31,7 @@ class GhostExchange(Closing):
         self._ghost.destroy()
 
     def values(self, vector: PETSc.Vec) -> FloatArray:
-        """Return the unknowns of own elements and ghosts; shape (own + g, 3). Collective."""
+        """Return the unknowns of owned elements and ghosts; shape (owned + g, 3). Collective."""
         self._scatter.scatter(vector, self._ghost)
         own = vector.getArray(readonly=True)
         ghosts = self._ghost.getArray(readonly=True)

@@ -57,7 +57,7 @@ class HalfCycle(Closing):
         """Solve to the other solver's tolerance from the values of x. Collective.
 
         Args:
-            load: Right-hand side; 3 own unknowns an element.
+            load: Right-hand side; 3 unknowns an owned element.
             x: Start and solution; likewise. A solve that fails leaves what it has reached, or the
                 start if that is no better than zero.
 
@@ -104,7 +104,7 @@ def _until(target: float) -> Callable[[PETSc.KSP, int, float], int | None]:
 def allows_half_cycle(ksp: PETSc.KSP, prefix: str, tolerance: float) -> bool:
     """Return whether half of a solver's cycle pays and its user leaves the choice to us.
 
-    On several ranks, which smooth each its own part alone, it does not: half the cycle takes half as
+    On several ranks, which smooth each its subdomain alone, it does not: half the cycle takes half as
     many iterations again as on one, the whole cycle does not.
 
     Args:

@@ -8,8 +8,8 @@ from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.mechanics.kinematics import rigid_modes
 from pearlite_petsc.solver.closing import Closing
 from pearlite_petsc.solver.options import default_options
-from pearlite_petsc.solver.part import Part
 from pearlite_petsc.solver.petsc import PETSc
+from pearlite_petsc.solver.subdomain import Subdomain
 
 GROUNDING = 3e-14
 """Stiffness to ground of each unknown, as a share of its intact element's mean diagonal.
@@ -46,25 +46,25 @@ class StiffnessMatrix(Closing):
     """
 
     def __init__(
-        self, comm: MPI.Comm, part: Part, operator: FloatArray, damage: FloatArray
+        self, comm: MPI.Comm, subdomain: Subdomain, operator: FloatArray, damage: FloatArray
     ) -> None:
-        self._part = part
+        self._subdomain = subdomain
         self._intact = 1.0 - damage
-        own, pairs = part.own, part.pairs
-        numbers = part.numbers
-        # Half-edges: each interface seen from each of its own elements.
+        own, pairs = subdomain.owned_count, subdomain.interface_elements
+        numbers = subdomain.element_numbers
+        # Half-edges: each interface seen from each of its owned elements.
         interface, side = np.nonzero(pairs < own)
         order = np.argsort(pairs[interface, side], kind="stable")
         self._interface, self._side = interface[order], side[order]
         row = pairs[self._interface, self._side]
         self._offsets = np.searchsorted(row, np.arange(own + 1))
-        self._own_blocks, self._coupling = _intact_blocks(operator, part.spring_constants())
+        self._own_blocks, self._coupling = _intact_blocks(operator, subdomain.spring_constants())
         self._to_ground = self._ground(comm, row)
         blocks = np.concatenate([self._off_diagonal(slice(None)), self._diagonal(np.arange(own))])
         rows = np.concatenate([row, np.arange(own)])
         columns = np.concatenate([numbers[pairs[self._interface, 1 - self._side]], numbers[:own]])
         self._column = columns[: len(row)]
-        self.mat = _assemble(comm, rows, columns, blocks, own, part.total)
+        self.mat = _assemble(comm, rows, columns, blocks, own, subdomain.element_count)
         self.mat.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, True)
         _declare_spd(self.mat)
         self._near_null_space = self._rigid_modes(comm)
@@ -79,16 +79,16 @@ class StiffnessMatrix(Closing):
         """Insert the values of a new damage where it differs from the current one. Collective.
 
         Args:
-            damage: D of the part's interfaces; shape (k,).
+            damage: D of the subdomain's interfaces; shape (k,).
         """
         before, self._intact = self._intact, 1.0 - damage
         changed = before != self._intact
-        touched = np.unique(self._part.pairs[changed])
-        touched = touched[touched < self._part.own]
+        touched = np.unique(self._subdomain.interface_elements[changed])
+        touched = touched[touched < self._subdomain.owned_count]
         half = np.flatnonzero(changed[self._interface])
-        row = self._part.pairs[self._interface[half], self._side[half]]
-        rows = np.concatenate([row, touched]) + self._part.first
-        columns = np.concatenate([self._column[half], touched + self._part.first])
+        row = self._subdomain.interface_elements[self._interface[half], self._side[half]]
+        rows = np.concatenate([row, touched]) + self._subdomain.first_element
+        columns = np.concatenate([self._column[half], touched + self._subdomain.first_element])
         if len(rows):
             values = np.concatenate([self._off_diagonal(half), self._diagonal(touched)])
             kind = PETSc.IntType
@@ -124,40 +124,45 @@ class StiffnessMatrix(Closing):
         return np.asarray(diagonal)
 
     def _ground(self, comm: MPI.Comm, row: IntArray) -> FloatArray:
-        """Return each own unknown's stiffness to ground; (own, 3). Collective.
+        """Return each owned unknown's stiffness to ground; (owned, 3). Collective.
 
         Args:
             row: Own element of each half-edge.
         """
-        part = self._part
-        share = np.full((part.own, 3), GROUNDING)
-        x, y = part.centre[: part.own].T
+        subdomain = self._subdomain
+        share = np.full((subdomain.owned_count, 3), GROUNDING)
+        x, y = subdomain.centre[: subdomain.owned_count].T
         # Lower left and lower right: a crack from the side comes there last.
         (_, left, *here), (_, right, *there) = (
             self._lowest(comm, score) for score in (x + y, y - x)
         )
         across = 0 if abs(here[1] - there[1]) > abs(here[0] - there[0]) else 1
         for element, component in ((left, 0), (left, 1), (right, across)):
-            if part.first <= element < part.first + part.own:
-                share[element - part.first, component] += SUPPORT
+            if subdomain.first_element <= element < subdomain.first_element + subdomain.owned_count:
+                share[element - subdomain.first_element, component] += SUPPORT
         trace = np.trace(self._own_blocks, axis1=2, axis2=3)[self._interface, self._side]
-        diagonal = np.bincount(row, trace, part.own) / 3.0
+        diagonal = np.bincount(row, trace, subdomain.owned_count) / 3.0
         return np.asarray(share * diagonal[:, None])
 
     def _lowest(self, comm: MPI.Comm, score: FloatArray) -> tuple[float, int, float, float]:
         """Return least score of all elements, its element's number and centre. Collective."""
-        found = (np.inf, self._part.total, 0.0, 0.0)
+        found = (np.inf, self._subdomain.element_count, 0.0, 0.0)
         if len(score):
             here = int(np.argmin(score))
-            x, y = self._part.centre[here].tolist()
-            found = (float(score[here]), self._part.first + here, x, y)
+            x, y = self._subdomain.centre[here].tolist()
+            found = (float(score[here]), self._subdomain.first_element + here, x, y)
         lowest: tuple[float, int, float, float] = min(comm.allgather(found))
         return lowest
 
     def _rigid_modes(self, comm: MPI.Comm) -> PETSc.NullSpace:
-        part = self._part
-        centre = comm.allreduce(part.centre[: part.own].sum(axis=0)) / part.total
-        modes = rigid_modes(part.centre[: part.own], part.rotation, centre)
+        subdomain = self._subdomain
+        centre = (
+            comm.allreduce(subdomain.centre[: subdomain.owned_count].sum(axis=0))
+            / subdomain.element_count
+        )
+        modes = rigid_modes(
+            subdomain.centre[: subdomain.owned_count], subdomain.rotation_length, centre
+        )
         vectors: list[PETSc.Vec] = []
         for mode in range(3):
             vector = self.mat.createVecRight()

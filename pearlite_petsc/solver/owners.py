@@ -4,43 +4,47 @@ import numpy as np
 from mpi4py import MPI
 
 from pearlite_petsc.arrays import FloatArray, IntArray
-from pearlite_petsc.solver.part import Part
+from pearlite_petsc.solver.subdomain import Subdomain
 
 
-def places_here(part: Part, numbers: IntArray) -> tuple[IntArray, IntArray]:
+def places_here(subdomain: Subdomain, numbers: IntArray) -> tuple[IntArray, IntArray]:
     """Return which of some interfaces a rank has, and their local numbers.
 
     Args:
-        part: The rank's share of the mesh.
+        subdomain: The rank's subdomain.
         numbers: Global ones; (a,).
     """
-    place = np.minimum(np.searchsorted(part.interface, numbers), len(part.interface) - 1)
-    row = np.flatnonzero(part.interface[place] == numbers)
+    place = np.minimum(
+        np.searchsorted(subdomain.interface_numbers, numbers), len(subdomain.interface_numbers) - 1
+    )
+    row = np.flatnonzero(subdomain.interface_numbers[place] == numbers)
     return row, place[row]
 
 
-def places_owned(part: Part, numbers: IntArray) -> tuple[IntArray, IntArray]:
+def places_owned(subdomain: Subdomain, numbers: IntArray) -> tuple[IntArray, IntArray]:
     """Return which of some interfaces a rank owns, and their local numbers.
 
     Args:
-        part: The rank's share of the mesh.
+        subdomain: The rank's subdomain.
         numbers: Global ones; (a,).
     """
-    row, place = places_here(part, numbers)
-    mine = part.pairs[place, 0] < part.own
+    row, place = places_here(subdomain, numbers)
+    mine = subdomain.interface_elements[place, 0] < subdomain.owned_count
     return row[mine], place[mine]
 
 
-def from_owners(comm: MPI.Comm, part: Part, numbers: IntArray, values: FloatArray) -> FloatArray:
+def from_owners(
+    comm: MPI.Comm, subdomain: Subdomain, numbers: IntArray, values: FloatArray
+) -> FloatArray:
     """Return values of some interfaces on all ranks, each from its owner; (a, ...). Collective.
 
     Args:
         comm: The ranks.
-        part: This rank's share of the mesh.
+        subdomain: This rank's subdomain.
         numbers: Global ones, the same on all ranks; (a,).
-        values: Of the part's interfaces; (k, ...).
+        values: Of the subdomain's interfaces; (k, ...).
     """
-    row, place = places_owned(part, numbers)
+    row, place = places_owned(subdomain, numbers)
     found = np.zeros((len(numbers), *values.shape[1:]))
     found[row] = values[place]
     if comm.size > 1:

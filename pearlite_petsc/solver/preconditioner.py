@@ -117,7 +117,7 @@ class PreconditionerMaker:
     def __init__(self, system: LinearSystem, settings: Solver, counters: Counter[str]) -> None:
         self._system, self._counters = system, counters
         self._tolerance = settings.relative_tolerance
-        self._unknowns = 3 * system.part.total
+        self._unknowns = 3 * system.subdomain.element_count
         self.method = method_of(settings, system.comm.size, self._unknowns)
         self._made = 0
 

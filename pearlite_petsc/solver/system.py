@@ -9,7 +9,7 @@ from pearlite_petsc.solver.closing import Closing
 from pearlite_petsc.solver.ghosts import GhostExchange
 from pearlite_petsc.solver.krylov import stage
 from pearlite_petsc.solver.matrix import StiffnessMatrix
-from pearlite_petsc.solver.part import Part
+from pearlite_petsc.solver.subdomain import Subdomain
 
 
 class LinearSystem(Closing):
@@ -17,26 +17,26 @@ class LinearSystem(Closing):
 
     Attributes:
         comm: The ranks.
-        part: This rank's share of the mesh.
+        subdomain: This rank's subdomain.
         operator: B of its interfaces; (k, 3, 6).
         damage: Of its interfaces, read-only; (k,).
         matrix: K of that damage.
-        x, b: Solution and load; 3 own unknowns an element.
+        x, b: Solution and load; 3 unknowns an owned element.
         ghosts: Brings the unknowns of the ghosts.
 
     Args:
-        comm, part: As above.
+        comm, subdomain: As above.
         damage: At the start, from now on read-only; (k,).
     """
 
-    def __init__(self, comm: MPI.Comm, part: Part, damage: FloatArray) -> None:
-        self.comm, self.part = comm, part
-        self.operator = part.jump_operator()
+    def __init__(self, comm: MPI.Comm, subdomain: Subdomain, damage: FloatArray) -> None:
+        self.comm, self.subdomain = comm, subdomain
+        self.operator = subdomain.jump_operator()
         self.damage: FloatArray = read_only(damage)
         with stage("assemble"):
-            self.matrix = StiffnessMatrix(comm, part, self.operator, damage)
+            self.matrix = StiffnessMatrix(comm, subdomain, self.operator, damage)
         self.x, self.b = self.matrix.mat.createVecs()
-        self.ghosts = GhostExchange(self.x, part)
+        self.ghosts = GhostExchange(self.x, subdomain)
 
     def close(self) -> None:
         """Destroy the PETSc objects. Collective."""
@@ -64,25 +64,25 @@ class LinearSystem(Closing):
         """Give the right-hand side.
 
         Args:
-            load: (F_x, F_y, M) on own elements [uN, uN, uN um]; (own, 3).
+            load: (F_x, F_y, M) on owned elements [uN, uN, uN um]; (owned, 3).
         """
-        self.b.setArray(self.part.right_hand_side(load))
+        self.b.setArray(self.subdomain.right_hand_side(load))
 
     def start_from(self, unknowns: FloatArray) -> None:
-        """Give the unknowns that the next solve starts from; (own, 3) or more."""
-        self.x.setArray(unknowns[: self.part.own].ravel())
+        """Give the unknowns that the next solve starts from; (owned, 3) or more."""
+        self.x.setArray(unknowns[: self.subdomain.owned_count].ravel())
 
     def solution(self) -> FloatArray:
-        """Return a copy of the last solution on own elements [um]; (own, 3)."""
+        """Return a copy of the last solution on owned elements [um]; (owned, 3)."""
         return np.array(self.x.getArray(readonly=True).reshape(-1, 3))
 
     def unknowns(self) -> FloatArray:
-        """Return the last solution on own elements and ghosts [um]; (own + g, 3). Collective."""
+        """Return the last solution on owned elements and ghosts [um]; (owned + g, 3). Collective."""
         return self.ghosts.values(self.x)
 
     def jumps(self, unknowns: FloatArray) -> FloatArray:
-        """Return (normal, tangential, rotational) jump of each interface of the part; (k, 3)."""
-        i, j = self.part.pairs.T
+        """Return (normal, tangential, rotational) jump of each interface of the subdomain; (k, 3)."""
+        i, j = self.subdomain.interface_elements.T
         return jumps(self.operator, unknowns[i], unknowns[j])
 
     def relative_residual(self) -> float:

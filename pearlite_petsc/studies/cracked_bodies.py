@@ -14,7 +14,7 @@ from pearlite_petsc.mechanics.springs import spring_stiffness
 from pearlite_petsc.mechanics.statics import load_vector
 from pearlite_petsc.scene import Solver
 from pearlite_petsc.solver.equilibrium import Equilibrium
-from pearlite_petsc.solver.part import make_part
+from pearlite_petsc.solver.subdomain import subdomain_of
 from pearlite_petsc.studies.bodies import on_line, plain_mesh, tensor_points
 from pearlite_petsc.studies.cases import STEEL
 from pearlite_petsc.tessellation.mesh import Mesh
@@ -124,12 +124,12 @@ def grid_ratios(bodies: tuple[CrackedBody, ...], element: float) -> tuple[int, l
 
 def energies(mesh: Mesh, cracks: list[BoolArray]) -> FloatArray:
     """Return the elastic energy under unit stress along y for each set of broken interfaces."""
-    part = make_part(mesh, spring_stiffness(mesh, STEEL), 0, mesh.element_count)
+    subdomain = subdomain_of(mesh, spring_stiffness(mesh, STEEL), 0, mesh.element_count)
     load = load_vector(mesh, uniform_stress(0.0, 1.0, 0.0))
-    forces = load * [1.0, 1.0, part.rotation]
+    forces = load * [1.0, 1.0, subdomain.rotation_length]
     energy = []
     settings = Solver("iterative", 1e-7, 1)
-    with Equilibrium(MPI.COMM_SELF, part, cracks[0].astype(float), settings) as equilibrium:
+    with Equilibrium(MPI.COMM_SELF, subdomain, cracks[0].astype(float), settings) as equilibrium:
         for broken in cracks:
             equilibrium.update(broken.astype(float))
             # The energy's error is the square of the residual's.

@@ -25,16 +25,16 @@ def domain_of(method: str = "iterative") -> Domain:
 
 
 def near_the_notch(domain: Domain, count: int) -> np.ndarray:
-    gap = np.hypot(*(domain.part.midpoint - PREPARED.mesh.notch).T)
-    gap[domain.part.kind == Kind.NOTCH] = np.inf
+    gap = np.hypot(*(domain.subdomain.midpoint - PREPARED.mesh.notch).T)
+    gap[domain.subdomain.kind == Kind.NOTCH] = np.inf
     return np.sort(np.argsort(gap)[:count])
 
 
 def dense(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
     """Return the matrix of now and the rows B of all interfaces."""
-    part, operator = domain.part, domain.equilibrium.system.operator
-    rows = np.zeros((len(operator), 3, 3 * part.own))
-    for number, pair in enumerate(part.pairs):
+    subdomain, operator = domain.subdomain, domain.equilibrium.system.operator
+    rows = np.zeros((len(operator), 3, 3 * subdomain.owned_count))
+    for number, pair in enumerate(subdomain.interface_elements):
         rows[number][:, (3 * pair[:, None] + np.arange(3)).ravel()] = operator[number]
     offsets, columns, values = domain.equilibrium.system.matrix.mat.getValuesCSR()
     return csr_array((values, columns, offsets)).toarray(), rows
@@ -61,7 +61,7 @@ def test_compliance_and_response_are_those_of_dense_algebra(method: str) -> None
     assert np.abs(found - exact).max() < 1e-7 * np.abs(exact).max()
     assert np.array_equal(found.shape, (9, 9))
     scaled = load.copy()
-    scaled[:, 2] /= domain.part.rotation
+    scaled[:, 2] /= domain.subdomain.rotation_length
     jumps = (some @ np.linalg.solve(matrix, scaled.ravel())).reshape(3, 3)
     assert np.abs(pulled[:, :, 0] - jumps).max() < 1e-6 * np.abs(jumps).max()
     domain.close()
@@ -97,11 +97,11 @@ def test_factors_corrected_for_what_was_taken_solve_at_once() -> None:
     damage[chosen] = [1.0, 0.6, 0.2, 0.3, 0.9, 0.05]
     equilibrium.update(damage)
     before = equilibrium.counters["iterations"]
-    unknowns = equilibrium.solve(load)[: domain.part.own].ravel()
+    unknowns = equilibrium.solve(load)[: domain.subdomain.owned_count].ravel()
     assert equilibrium.counters["iterations"] - before <= 2
     matrix, _ = dense(domain)
     scaled = load.copy()
-    scaled[:, 2] /= domain.part.rotation
+    scaled[:, 2] /= domain.subdomain.rotation_length
     assert np.linalg.norm(matrix @ unknowns - scaled.ravel()) < 1e-8 * np.linalg.norm(scaled)
     domain.close()
 
@@ -114,7 +114,9 @@ def test_large_bodies_are_solved_for_in_small_batches(monkeypatch: pytest.Monkey
     compliance.add(chosen)
     at_once, _ = compliance.now(chosen, domain.damage, empty)
     compliance = Compliance(domain.equilibrium, domain.damage)
-    monkeypatch.setattr("pearlite_petsc.solver.compliance.MOST_AT_ONCE", 18 * domain.part.total)
+    monkeypatch.setattr(
+        "pearlite_petsc.solver.compliance.MOST_AT_ONCE", 18 * domain.subdomain.element_count
+    )
     compliance.add(chosen)
     assert compliance.batch.tolist() == [0, 0, 1, 1, 2]
     in_batches, _ = compliance.now(chosen, domain.damage, empty)
@@ -147,7 +149,7 @@ def test_factors_of_the_start_are_kept_for_the_next_crack_of_a_mesh(method: str)
     assert equilibrium.factors(domain.damage).number == first.number
     # Equal values, and another array.
     assert equilibrium.factors(domain.damage.copy()).number == first.number
-    softened = equilibrium.factors(np.where(domain.part.kind == Kind.NOTCH, 1.0, 0.1))
+    softened = equilibrium.factors(np.where(domain.subdomain.kind == Kind.NOTCH, 1.0, 0.1))
     assert softened.number > first.number
     assert equilibrium.holds(softened) and not equilibrium.holds(first)
     domain.restart()

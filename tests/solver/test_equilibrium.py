@@ -18,8 +18,8 @@ from pearlite_petsc.scene import Kind, Material, Solver
 from pearlite_petsc.solver import equilibrium as equilibrium_module
 from pearlite_petsc.solver import krylov, matrix
 from pearlite_petsc.solver.equilibrium import Equilibrium
-from pearlite_petsc.solver.part import make_part
 from pearlite_petsc.solver.petsc import PETSc
+from pearlite_petsc.solver.subdomain import subdomain_of
 from pearlite_petsc.studies.bodies import plain_mesh, random_points
 from pearlite_petsc.tessellation.build import build_mesh
 from pearlite_petsc.tessellation.mesh import Mesh
@@ -49,9 +49,9 @@ def equilibrium_of(
     tolerance: float = 1e-10,
     method: str = "iterative",
 ) -> Iterator[Equilibrium]:
-    part = make_part(mesh, spring_stiffness(mesh, material), 0, mesh.element_count)
+    subdomain = subdomain_of(mesh, spring_stiffness(mesh, material), 0, mesh.element_count)
     settings = Solver(method, tolerance, 1000)  # type: ignore[arg-type]
-    with Equilibrium(MPI.COMM_SELF, part, broken.astype(float), settings) as equilibrium:
+    with Equilibrium(MPI.COMM_SELF, subdomain, broken.astype(float), settings) as equilibrium:
         yield equilibrium
 
 
@@ -70,13 +70,13 @@ def options(**given: str) -> Iterator[None]:
 
 def forces(mesh: Mesh, equilibrium: Equilibrium) -> FloatArray:
     """Return (F_x, F_y, M) of the pull on the boundary."""
-    return statics.load_vector(mesh, PULL) * [1.0, 1.0, equilibrium.part.rotation]
+    return statics.load_vector(mesh, PULL) * [1.0, 1.0, equilibrium.subdomain.rotation_length]
 
 
 def tractions(equilibrium: Equilibrium, load: FloatArray) -> FloatArray:
     """Return normal and tangential traction of each interface, as if intact."""
     jump = equilibrium.jumps(equilibrium.solve(load))
-    springs = equilibrium.part.stiffness
+    springs = equilibrium.subdomain.stiffness
     return np.stack([springs.k_n * jump[:, 0], springs.k_t * jump[:, 1]], axis=1)
 
 
@@ -185,26 +185,28 @@ def test_affinely_sheared_mesh_is_solved_or_falls_back_and_says_so(
 
 def test_many_updates_leave_the_matrix_of_a_new_assembly() -> None:
     rng = np.random.default_rng(2)
-    part = make_part(RANDOM, spring_stiffness(RANDOM, STEEL), 0, RANDOM.element_count)
-    operator, damage = part.jump_operator(), np.zeros(RANDOM.interface_count)
-    with matrix.StiffnessMatrix(MPI.COMM_SELF, part, operator, damage) as kept:
+    subdomain = subdomain_of(RANDOM, spring_stiffness(RANDOM, STEEL), 0, RANDOM.element_count)
+    operator, damage = subdomain.jump_operator(), np.zeros(RANDOM.interface_count)
+    with matrix.StiffnessMatrix(MPI.COMM_SELF, subdomain, operator, damage) as kept:
         for _ in range(200):
             chosen = rng.integers(0, len(damage), 40)
             damage = damage.copy()
             damage[chosen] = np.minimum(1.0, damage[chosen] + rng.random(40))
             kept.update(damage)
         assert (damage == 1.0).sum() > 1000
-        with matrix.StiffnessMatrix(MPI.COMM_SELF, part, operator, damage) as fresh:
+        with matrix.StiffnessMatrix(MPI.COMM_SELF, subdomain, operator, damage) as fresh:
             assert np.array_equal(kept.mat.getValuesCSR()[2], fresh.mat.getValuesCSR()[2])
 
 
 def test_broken_interfaces_add_nothing_and_leave_the_ground_and_three_supports() -> None:
-    part = make_part(RANDOM, spring_stiffness(RANDOM, STEEL), 0, RANDOM.element_count)
+    subdomain = subdomain_of(RANDOM, spring_stiffness(RANDOM, STEEL), 0, RANDOM.element_count)
     broken, held = np.ones(RANDOM.interface_count), []
     for damage in (broken, 0.0 * broken):
-        with matrix.StiffnessMatrix(MPI.COMM_SELF, part, part.jump_operator(), damage) as stiffness:
+        with matrix.StiffnessMatrix(
+            MPI.COMM_SELF, subdomain, subdomain.jump_operator(), damage
+        ) as stiffness:
             offsets, columns, values = stiffness.mat.getValuesCSR()
-            rows = np.repeat(np.arange(3 * part.own), np.diff(offsets))
+            rows = np.repeat(np.arange(3 * subdomain.owned_count), np.diff(offsets))
             if damage.any():
                 assert not values[rows != columns].any()
             held.append(values[rows == columns].reshape(-1, 3))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mpi4py import MPI
 
     from pearlite_petsc.solver.matrix import StiffnessMatrix
-    from pearlite_petsc.solver.part import Part
+    from pearlite_petsc.solver.subdomain import Subdomain
 
 FIRST_TOLERANCE, WARM_TOLERANCE = 1e-8, 1e-6
 UPDATES = 3
@@ -39,12 +39,12 @@ class Body:
     """What one rank needs of a body with a notch half through.
 
     Attributes:
-        part: This rank's share.
+        subdomain: This rank's.
         tip: Of the notch [um].
         breaks: Interface that each update breaks; (u,).
     """
 
-    part: "Part"
+    subdomain: "Subdomain"
     tip: tuple[float, float]
     breaks: IntArray
 
@@ -58,7 +58,7 @@ def write_bodies(folder: Path, unknowns: float, ranks: tuple[int, ...]) -> int:
         ranks: Numbers of ranks to divide it for.
     """
     from pearlite_petsc.mechanics.springs import spring_stiffness
-    from pearlite_petsc.solver.part import element_ranges, make_part
+    from pearlite_petsc.solver.subdomain import element_ranges, subdomain_of
     from pearlite_petsc.tessellation.build import build_mesh
 
     elements = load_scene_text("", "bench").elements
@@ -71,7 +71,7 @@ def write_bodies(folder: Path, unknowns: float, ranks: tuple[int, ...]) -> int:
     breaks = _ahead(mesh)
     for count in ranks:
         for rank, ends in enumerate(element_ranges(mesh.element_count, count)):
-            body = Body(make_part(mesh, stiffness, *ends), mesh.notch, breaks)
+            body = Body(subdomain_of(mesh, stiffness, *ends), mesh.notch, breaks)
             with (folder / f"{count}_{rank}.pickle").open("wb") as stream:
                 pickle.dump(body, stream)
     return 3 * mesh.element_count
@@ -175,11 +175,13 @@ class WithPetsc:
 class WithPyamg:
     """CG and smoothed aggregation of PyAMG with the rigid modes, on one rank."""
 
-    def __init__(self, matrix: "StiffnessMatrix", part: "Part") -> None:
+    def __init__(self, matrix: "StiffnessMatrix", subdomain: "Subdomain") -> None:
         from pearlite_petsc.mechanics.kinematics import rigid_modes
 
         self._matrix = matrix
-        modes = rigid_modes(part.centre, part.rotation, part.centre.mean(axis=0))
+        modes = rigid_modes(
+            subdomain.centre, subdomain.rotation_length, subdomain.centre.mean(axis=0)
+        )
         self._modes = modes.reshape(-1, 3)
         self._x = np.zeros(len(self._modes))
         self._hierarchy: Any = None
@@ -246,7 +248,7 @@ def measure(comm: "MPI.Comm", body: Body, method: str, cracked: bool) -> dict[st
 
     Args:
         comm: The ranks.
-        body: This rank's share.
+        body: This rank's.
         method: "default", "factors", "GAMG", "hypre", "MUMPS" or "PyAMG".
         cracked: Whether the notch is open; otherwise the body is intact.
     """
@@ -254,8 +256,8 @@ def measure(comm: "MPI.Comm", body: Body, method: str, cracked: bool) -> dict[st
 
     from pearlite_petsc.solver.matrix import StiffnessMatrix
 
-    part = body.part
-    damage = ((part.kind == Kind.NOTCH) & cracked).astype(float)
+    subdomain = body.subdomain
+    damage = ((subdomain.kind == Kind.NOTCH) & cracked).astype(float)
     load = _load(body)
 
     def timed(run: Callable[[], Any]) -> tuple[float, Any]:
@@ -265,9 +267,13 @@ def measure(comm: "MPI.Comm", body: Body, method: str, cracked: bool) -> dict[st
         return float(comm.allreduce(process_time() - started, MPI.MAX)), value
 
     matrix: StiffnessMatrix
-    assemble, matrix = timed(lambda: StiffnessMatrix(comm, part, part.jump_operator(), damage))
+    assemble, matrix = timed(
+        lambda: StiffnessMatrix(comm, subdomain, subdomain.jump_operator(), damage)
+    )
     with matrix:
-        solver: Method = WithPyamg(matrix, part) if method == "PyAMG" else WithPetsc(matrix, method)
+        solver: Method = (
+            WithPyamg(matrix, subdomain) if method == "PyAMG" else WithPetsc(matrix, method)
+        )
         if isinstance(solver, WithPyamg):
             solver.take_matrix()
         tries: list[tuple[float, float]] = []
@@ -281,7 +287,7 @@ def measure(comm: "MPI.Comm", body: Body, method: str, cracked: bool) -> dict[st
         warm, warm_iterations = 0.0, []
         breaks = body.breaks[:1] if first > SLOW else body.breaks
         for number in breaks:
-            damage = np.where(part.interface == number, 1.0, damage)
+            damage = np.where(subdomain.interface_numbers == number, 1.0, damage)
             update, _ = timed(lambda damage=damage: solver.update(damage))  # type: ignore[misc]
             if isinstance(solver, WithPyamg):
                 solver.take_matrix()
@@ -289,7 +295,7 @@ def measure(comm: "MPI.Comm", body: Body, method: str, cracked: bool) -> dict[st
             warm += (update + seconds) / len(breaks)
             warm_iterations.append(count)
     return {
-        "unknowns": 3 * part.total,
+        "unknowns": 3 * subdomain.element_count,
         "assemble_s": assemble,
         "iterations": iterations,
         "setup_s": setup,
@@ -302,13 +308,15 @@ def measure(comm: "MPI.Comm", body: Body, method: str, cracked: bool) -> dict[st
 
 
 def _load(body: Body) -> FloatArray:
-    """Return the tractions of a K field on own elements, moments over the rotation length [uN]."""
+    """Return the tractions of a K field on owned elements, moments over the rotation length [uN]."""
     from pearlite_petsc.mechanics.loads import element_forces, williams_mode_one
 
-    part, airy = body.part, williams_mode_one(DELTA_K, body.tip)
-    own = part.centre[: part.own]
-    load = element_forces(part.facet_start, part.facet_end, part.facet, own, airy)
-    return load / [1.0, 1.0, part.rotation]
+    subdomain, airy = body.subdomain, williams_mode_one(DELTA_K, body.tip)
+    own = subdomain.centre[: subdomain.owned_count]
+    load = element_forces(
+        subdomain.facet_start, subdomain.facet_end, subdomain.boundary_elements, own, airy
+    )
+    return load / [1.0, 1.0, subdomain.rotation_length]
 
 
 def write_case(comm: "MPI.Comm", folder: Path, method: str, result: Path) -> None:

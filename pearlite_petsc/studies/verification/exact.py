@@ -11,7 +11,7 @@ from pearlite_petsc.mechanics.springs import Stiffness, spring_stiffness
 from pearlite_petsc.mechanics.statics import load_vector, operators, solve, stiffness_matrix
 from pearlite_petsc.scene import Kind, Solver, Springs
 from pearlite_petsc.solver.equilibrium import Equilibrium
-from pearlite_petsc.solver.part import make_part
+from pearlite_petsc.solver.subdomain import subdomain_of
 from pearlite_petsc.studies.bodies import (
     hexagonal_points,
     plain_mesh,
@@ -209,9 +209,9 @@ def balance_error(mesh: Mesh, broken: BoolArray, method: str) -> float:
     if method == "reference":
         carried = solve(mesh, stiffness, broken, airy).force
     else:
-        part = make_part(mesh, stiffness, 0, mesh.element_count)
+        subdomain = subdomain_of(mesh, stiffness, 0, mesh.element_count)
         settings = Solver("iterative" if method == "iterative" else "direct", 1e-10, 1000)
-        with Equilibrium(MPI.COMM_SELF, part, broken.astype(float), settings) as equilibrium:
+        with Equilibrium(MPI.COMM_SELF, subdomain, broken.astype(float), settings) as equilibrium:
             jump = equilibrium.jumps(equilibrium.solve(load))
         spread = stiffness.k_n * mesh.length**2 / 12.0 * jump[:, 2]
         carried = run[:, None] * np.column_stack([springs * jump[:, :2], spread])

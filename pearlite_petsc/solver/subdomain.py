@@ -1,43 +1,45 @@
-"""A rank's share of a mesh: its own elements and all interfaces that touch them."""
+"""A rank's subdomain of a mesh: the elements it owns and all interfaces that touch them."""
 
 import itertools
 from dataclasses import dataclass, fields
 
 import numpy as np
 
-from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
+from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray, read_only
 from pearlite_petsc.mechanics.kinematics import jump_operator, rotation_length, spring_constants
 from pearlite_petsc.mechanics.springs import Stiffness
 from pearlite_petsc.tessellation.mesh import Mesh
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
-    """What one rank knows of the mesh. Local elements: own ones first, then ghosts.
+class Subdomain:
+    """What one rank knows of the mesh. Local elements: owned ones first, then ghosts.
 
     Attributes:
-        first, own, total: First own element, number of own ones and of all elements.
-        numbers: Global numbers of the local elements; (own + g,).
-        centre: Of own elements and ghosts [um]; (own + g, 2).
-        interface: Global numbers of the interfaces; (k,).
-        pairs: Local elements i, j of each interface; (k, 2).
+        first_element: The first owned one.
+        owned_count: Owned elements ("owned" in shapes).
+        element_count: Elements of the whole mesh.
+        element_numbers: Global numbers of the local elements; (owned + g,).
+        centre: Of owned elements and ghosts [um]; (owned + g, 2).
+        interface_numbers: Global numbers of the interfaces; (k,).
+        interface_elements: Local elements i, j of each interface; (k, 2).
         stiffness: Intact springs of the interfaces.
         length, midpoint, normal, kind: Of each interface; (k,), (k, 2), (k, 2), (k,).
         fine: Whether both elements have the full resolution; (k,).
         junctions: At both ends of each interface; (k, 2).
         ends: Where those junctions are [um]; (k, 2, 2).
-        rotation: Length that scales rotations [um].
-        facet: Own elements of the boundary's facets, local; (q,).
+        rotation_length: Scales rotations [um].
+        boundary_elements: Owned elements of the boundary's facets, local; (q,).
         facet_start, facet_end: Ends of the facets [um]; (q, 2).
     """
 
-    first: int
-    own: int
-    total: int
-    numbers: IntArray
+    first_element: int
+    owned_count: int
+    element_count: int
+    element_numbers: IntArray
     centre: FloatArray
-    interface: IntArray
-    pairs: IntArray
+    interface_numbers: IntArray
+    interface_elements: IntArray
     stiffness: Stiffness
     length: FloatArray
     midpoint: FloatArray
@@ -46,42 +48,49 @@ class Part:
     fine: BoolArray
     junctions: IntArray
     ends: FloatArray
-    rotation: float
-    facet: IntArray
+    rotation_length: float
+    boundary_elements: IntArray
     facet_start: FloatArray
     facet_end: FloatArray
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if isinstance(value, np.ndarray):
+                read_only(value)
+
+    @property
+    def owned_elements(self) -> slice:
+        """Owned elements among all of the mesh."""
+        return slice(self.first_element, self.first_element + self.owned_count)
 
     @property
     def ghosts(self) -> IntArray:
         """Global numbers of the ghosts, ascending; (g,)."""
-        return self.numbers[self.own :]
+        return self.element_numbers[self.owned_count :]
 
     @property
-    def owned(self) -> BoolArray:
+    def owns_interface(self) -> BoolArray:
         """Whether this rank owns an interface, which one rank does; (k,)."""
-        owned: BoolArray = self.pairs[:, 0] < self.own
+        owned: BoolArray = self.interface_elements[:, 0] < self.owned_count
         return owned
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of the arrays [bytes]."""
-        values = (getattr(self, entry.name) for entry in fields(self))
-        return sum(value.nbytes for value in values if isinstance(value, np.ndarray))
-
     def jump_operator(self) -> FloatArray:
-        """Return B of the part's interfaces; shape (k, 3, 6)."""
-        return jump_operator(self.centre, self.pairs, self.midpoint, self.normal, self.rotation)
+        """Return B of the interfaces; shape (k, 3, 6)."""
+        return jump_operator(
+            self.centre, self.interface_elements, self.midpoint, self.normal, self.rotation_length
+        )
 
     def right_hand_side(self, load: FloatArray) -> FloatArray:
-        """Return a load in the units of the unknowns; (3 own,).
+        """Return a load in the units of the unknowns; (3 owned,).
 
         Args:
-            load: (F_x, F_y, M) on own elements [uN, uN, uN um]; (own, 3).
+            load: (F_x, F_y, M) on owned elements [uN, uN, uN um]; (owned, 3).
         """
-        return np.asarray((load / np.array([1.0, 1.0, self.rotation])).ravel())
+        return np.asarray((load / np.array([1.0, 1.0, self.rotation_length])).ravel())
 
     def spring_constants(self) -> FloatArray:
-        """Return the intact k_n l, k_t l, k_n l^3/12 of the part's interfaces; shape (k, 3)."""
+        """Return the intact k_n l, k_t l, k_n l^3/12 of the interfaces; shape (k, 3)."""
         return spring_constants(self.stiffness, self.length)
 
 
@@ -104,8 +113,8 @@ def _junction_places(mesh: Mesh) -> FloatArray:
     return np.asarray(np.stack(sums, axis=1) / count[:, None])
 
 
-def make_part(mesh: Mesh, stiffness: Stiffness, first: int, last: int) -> Part:
-    """Return the share of the rank that owns the elements first <= e < last."""
+def subdomain_of(mesh: Mesh, stiffness: Stiffness, first: int, last: int) -> Subdomain:
+    """Return the subdomain of the rank that owns the elements first <= e < last."""
     pairs = mesh.interface_elements
     inside = (pairs >= first) & (pairs < last)
     chosen = np.flatnonzero(inside.any(axis=1))
@@ -113,14 +122,16 @@ def make_part(mesh: Mesh, stiffness: Stiffness, first: int, last: int) -> Part:
     ghosts = np.unique(near[~inside])
     junctions = mesh.junction[mesh.interface_vertices[chosen]]
     facets = (mesh.boundary_elements >= first) & (mesh.boundary_elements < last)
-    return Part(
-        first=first,
-        own=last - first,
-        total=mesh.element_count,
-        numbers=np.concatenate([np.arange(first, last), ghosts]),
+    return Subdomain(
+        first_element=first,
+        owned_count=last - first,
+        element_count=mesh.element_count,
+        element_numbers=np.concatenate([np.arange(first, last), ghosts]),
         centre=np.concatenate([mesh.centre[first:last], mesh.centre[ghosts]]),
-        interface=chosen,
-        pairs=np.where(inside, near - first, last - first + np.searchsorted(ghosts, near)),
+        interface_numbers=chosen,
+        interface_elements=np.where(
+            inside, near - first, last - first + np.searchsorted(ghosts, near)
+        ),
         stiffness=Stiffness(stiffness.k_n[chosen], stiffness.k_t[chosen]),
         length=mesh.length[chosen],
         midpoint=mesh.midpoint[chosen],
@@ -129,8 +140,8 @@ def make_part(mesh: Mesh, stiffness: Stiffness, first: int, last: int) -> Part:
         fine=mesh.fine[pairs[chosen]].all(axis=1),
         junctions=junctions,
         ends=_junction_places(mesh)[junctions],
-        rotation=rotation_length(mesh),
-        facet=mesh.boundary_elements[facets] - first,
+        rotation_length=rotation_length(mesh),
+        boundary_elements=mesh.boundary_elements[facets] - first,
         facet_start=mesh.vertices[mesh.boundary_vertices[facets, 0]],
         facet_end=mesh.vertices[mesh.boundary_vertices[facets, 1]],
     )
