@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -54,6 +56,10 @@ def pareto_front(
     return np.asarray(order[first])
 
 
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+MARKS = ("o", "s", "^", "D", "v", "P", "X")
+"""Of the series, in turn."""
+
 LABEL_WIDTH, LABEL_HEIGHT = 75.0, 8.0
 """Room of a label on the front [points]."""
 
@@ -72,52 +78,23 @@ def draw_pareto(
         cost_label, error_label: With units.
     """
     names = list(dict.fromkeys(setting.series for setting in settings))
-    defaults = {setting.label for setting in settings if setting.is_default}
-    colours = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-    marks = ("o", "s", "^", "D", "v", "P", "X")
+    cost = np.array([setting.cost for setting in settings])
+    error = np.array([setting.error for setting in settings])
+    positive = error[error > 0.0]
+    floor = 0.5 * positive.min() if len(positive) else 1e-6
+    shown = np.maximum(error, floor)
+    counted = np.flatnonzero([setting.counts for setting in settings])
+    front = counted[pareto_front(cost[counted], error[counted])]
     with drawing(path, WIDTH, 4.6) as figure:
         axes = figure.subplots()
-        cost = np.array([setting.cost for setting in settings])
-        error = np.array([setting.error for setting in settings])
-        positive = error[error > 0.0]
-        floor = 0.5 * positive.min() if len(positive) else 1e-6
-        shown = np.maximum(error, floor)
-        counts = np.array([setting.counts for setting in settings])
-        counted = np.flatnonzero(counts)
-        front = counted[pareto_front(cost[counted], error[counted])]
         axes.step(cost[front], shown[front], where="post", color=GREY, label="Pareto front")
-        for place, name in enumerate(names):
-            own = np.array([setting.series == name for setting in settings])
-            colour, mark = colours[place % len(colours)], marks[place % len(marks)]
-            if name not in defaults:
-                axes.plot([], [], mark, color=colour, label=name, alpha=0.85)
-            for some, fill in ((own & counts, "full"), (own & ~counts, "none")):
-                axes.plot(cost[some], shown[some], mark, color=colour, fillstyle=fill, alpha=0.85)
-            for setting in settings:
-                if setting.series == name and setting.error_high is not None:
-                    low = max(setting.error_low or 0.0, floor)
-                    axes.plot([setting.cost] * 2, [low, setting.error_high], color=colour, lw=0.8)
+        for name, colour, mark in zip(names, cycle(COLOURS), cycle(MARKS), strict=False):
+            own = [setting for setting in settings if setting.series == name]
+            _draw_series(axes, name, own, floor, colour, mark)
         axes.set(xscale="log", yscale="log", xlabel=cost_label, ylabel=error_label)
         axes.margins(x=0.12)
-        placed: list[FloatArray] = []
-        for place in front:
-            point = axes.transData.transform((cost[place], shown[place])) * 72.0 / figure.dpi
-            # Labels of near points stand one above the other.
-            text = point + np.full(2, 4.0)
-            near = sorted(
-                float(other[1]) for other in placed if abs(text[0] - other[0]) < LABEL_WIDTH
-            )
-            for height in near:
-                if abs(text[1] - height) < LABEL_HEIGHT:
-                    text[1] = height + LABEL_HEIGHT
-            placed.append(text)
-            axes.annotate(
-                settings[place].label,
-                (cost[place], shown[place]),
-                xytext=text - point,
-                textcoords="offset points",
-                fontsize=6.5,
-            )
+        labels = [settings[place].label for place in front]
+        _label_front(axes, labels, np.stack([cost[front], shown[front]], axis=1))
         for place, setting in enumerate(settings):
             if setting.is_default:
                 axes.plot(
@@ -129,13 +106,44 @@ def draw_pareto(
                     markeredgecolor=BROKEN,
                     label="default" if setting.label in names else f"default: {setting.label}",
                 )
-        if not counts.all():
+        if len(counted) < len(settings):
             axes.plot([], [], "s", color=GREY, fillstyle="none", label="other paths")
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.grid(True, which="both")
         axes.legend()
+
+
+def _draw_series(
+    axes: Axes, name: str, settings: Sequence[Setting], floor: float, colour: str, mark: str
+) -> None:
+    """Draw settings of one series with their intervals; hollow if they do not count."""
+    # The circle round the default says its name.
+    if not any(setting.is_default and setting.label == name for setting in settings):
+        axes.plot([], [], mark, color=colour, label=name, alpha=0.85)
+    for counts, fill in ((True, "full"), (False, "none")):
+        some = [setting for setting in settings if setting.counts is counts]
+        error = [max(setting.error, floor) for setting in some]
+        axes.plot([s.cost for s in some], error, mark, color=colour, fillstyle=fill, alpha=0.85)
+    for setting in settings:
+        if setting.error_high is not None:
+            low = max(setting.error_low or 0.0, floor)
+            axes.plot([setting.cost] * 2, [low, setting.error_high], color=colour, lw=0.8)
+
+
+def _label_front(axes: Axes, labels: Sequence[str], points: FloatArray) -> None:
+    """Write names beside points (p, 2) by rising cost; those of near points one above the other."""
+    placed: list[FloatArray] = []
+    for label, point in zip(labels, points, strict=True):
+        mark = axes.transData.transform(point) * 72.0 / axes.figure.dpi
+        text = mark + np.full(2, 4.0)
+        near = sorted(float(other[1]) for other in placed if abs(text[0] - other[0]) < LABEL_WIDTH)
+        for height in near:
+            if abs(text[1] - height) < LABEL_HEIGHT:
+                text[1] = height + LABEL_HEIGHT
+        placed.append(text)
+        axes.annotate(label, point, xytext=text - mark, textcoords="offset points", fontsize=6.5)
 
 
 OUTCOMES = ("converges", "falls back", "stops with a reason", "wrong or crashes")

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
@@ -87,17 +88,12 @@ def draw_tortuosity(path: Path, outcomes: Sequence[Outcome], states: Sequence[st
                 if o.state == state and o.tortuosity is not None
             ]
             for grown in (True, False):
-                shown = [(level, value) for _, level, value, yes in own if yes is grown]
-                axes.plot(
-                    [place + 0.3 * (level + 0.5) / len(levels) for level, _ in shown],
-                    [value for _, value in shown],
-                    "o",
-                    color=style.colour,
-                    markerfacecolor=style.colour if grown else "none",
-                    alpha=0.5 if grown else 0.9,
-                    markersize=2.5,
-                    markeredgewidth=0.6,
-                )
+                shown = [
+                    (place + 0.3 * (level + 0.5) / len(levels), value)
+                    for _, level, value, yes in own
+                    if yes is grown
+                ]
+                _draw_cracks(axes, shown, style.colour, grown)
             values = [
                 np.mean([value for mesh, _, value, yes in own if yes and mesh == index])
                 for index in sorted({mesh for mesh, _, _, yes in own if yes})
@@ -125,3 +121,19 @@ def draw_tortuosity(path: Path, outcomes: Sequence[Outcome], states: Sequence[st
                 fontsize=7.5,
                 loc="left",
             )
+
+
+def _draw_cracks(
+    axes: Axes, points: Sequence[tuple[float, float]], colour: str, grown: bool
+) -> None:
+    """Draw the tortuosity of single cracks, small; hollow where they ended early."""
+    axes.plot(
+        [x for x, _ in points],
+        [y for _, y in points],
+        "o",
+        color=colour,
+        markerfacecolor=colour if grown else "none",
+        alpha=0.5 if grown else 0.9,
+        markersize=2.5,
+        markeredgewidth=0.6,
+    )

@@ -43,6 +43,42 @@ def damage(setting: Setting) -> Section:
         1e-10,
     )
     _known_share(section)
+    errors = _orders(section)
+    _threshold(section)
+    _strength(section)
+    lives = _nominal(section)
+    _draw(setting.folder / "damage_step", errors["effective, lamella"], lives)
+    section.figures["damage_step"] = (
+        "Left: error of the life of one interface (effective stress) over the step. Right: life with "
+        "the nominal stress over that with a step of 0.2; it has no limit."
+    )
+    return section
+
+
+def closed_form(case: SeriesSpring) -> float:
+    """Return the life under a normal stress without threshold [cycles]."""
+    return (1.0 - (1.0 - case.share) ** 4) / (4.0 * case.share * case.rate(0.0))
+
+
+def _known_share(section: Section) -> None:
+    case = CASES["effective, lamella"]
+    block = Extrapolation(case.known_share(), 1.0, "compliance")
+    life = case.exact_life()
+    section.below(
+        "Compliance curve with g known (table of 33 nodes), one block to failure: error of the life",
+        LAW,
+        abs(block.longest / life - 1.0),
+        2e-3,
+    )
+    worst = max(
+        abs(float(block.damage_after(share * block.longest)[0]) - case.exact_damage(share * life))
+        for share in (0.1, 0.5, 0.9)
+    )
+    section.below("The same: largest error of D on the way", LAW, worst, 2e-3)
+
+
+def _orders(section: Section) -> dict[str, dict[RateModel, list[float]]]:
+    """Claim orders and errors of the life; return the errors by case, method and step."""
     errors = {
         name: {
             method: [
@@ -79,37 +115,7 @@ def damage(setting: Setting) -> Section:
             abs(case.jumped_life("compliance", 1.0) / case.exact_life() - 1.0),
             0.01,
         )
-    _threshold(section)
-    _strength(section)
-    lives = _nominal(section)
-    _draw(setting.folder / "damage_step", errors["effective, lamella"], lives)
-    section.figures["damage_step"] = (
-        "Left: error of the life of one interface (effective stress) over the step. Right: life with "
-        "the nominal stress over that with a step of 0.2; it has no limit."
-    )
-    return section
-
-
-def closed_form(case: SeriesSpring) -> float:
-    """Return the life under a normal stress without threshold [cycles]."""
-    return (1.0 - (1.0 - case.share) ** 4) / (4.0 * case.share * case.rate(0.0))
-
-
-def _known_share(section: Section) -> None:
-    case = CASES["effective, lamella"]
-    block = Extrapolation(case.known_share(), 1.0, "compliance")
-    life = case.exact_life()
-    section.below(
-        "Compliance curve with g known (table of 33 nodes), one block to failure: error of the life",
-        LAW,
-        abs(block.longest / life - 1.0),
-        2e-3,
-    )
-    worst = max(
-        abs(float(block.damage_after(share * block.longest)[0]) - case.exact_damage(share * life))
-        for share in (0.1, 0.5, 0.9)
-    )
-    section.below("The same: largest error of D on the way", LAW, worst, 2e-3)
+    return errors
 
 
 def _threshold(section: Section) -> None:
