@@ -15,7 +15,7 @@ from pearlite_petsc.solver import reuse
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.petsc import PETSc
 from pearlite_petsc.solver.reuse import MOST_HALF_CYCLES
-from tests.solver.test_equilibrium import (
+from tests.solver.bodies import (
     INNER,
     NOTCHED,
     PULL,
