@@ -18,6 +18,7 @@ LoadKind = Literal["k_field", "edge_crack"]
 LoadControl = Literal["K", "stress"]
 CycleJumpName = Literal["compliance", "exponential", "euler", "heun", "adaptive"]
 Shear = Literal["remesh", "affine"]
+Kinds = Literal["labels", "cut"]
 
 
 class Kind(int, Enum):
@@ -55,7 +56,9 @@ class Elements:
     """Size and grading of the elements [um].
 
     ``refinement`` "follow": fine within ``radius`` of the crack, refined ahead of its tip;
-    "corridor": fine where |y - height/2| <= corridor; "uniform": fine everywhere.
+    "corridor": fine where |y - height/2| <= corridor; "uniform": fine everywhere. ``kinds``
+    "labels": an interface is a boundary where the labels of its elements differ; "cut": where a
+    boundary runs along it, else what the lamellae make of it that lie there.
     """
 
     width: float
@@ -66,6 +69,7 @@ class Elements:
     shear: Shear
     refinement: Literal["follow", "corridor", "uniform"]
     radius: float
+    kinds: Kinds
 
 
 @dataclass(frozen=True, slots=True)

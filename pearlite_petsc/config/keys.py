@@ -156,6 +156,12 @@ def _elements() -> Table:
                 "remesh",
                 "affine",
             ),
+            _word(
+                "kinds",
+                'interfaces by the "labels" of their elements, or by what they "cut" on the label map',
+                "labels",
+                "cut",
+            ),
         ),
     )
 

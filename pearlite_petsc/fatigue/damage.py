@@ -20,9 +20,19 @@ def yield_stress(shear_strain: float) -> float:
     return float(616.0 * (shear_strain / 2.0) ** exponent)
 
 
-def strength(kind: IntArray, yield_strength: float, cementite_strength: float) -> FloatArray:
-    """Return S of each interface [MPa]: cementite's where lamellae are cut, else the yield stress."""
-    return np.where(kind == Kind.CEMENTITE, cementite_strength, yield_strength)
+def strength(
+    cementite_share: FloatArray, yield_strength: float, cementite_strength: float
+) -> FloatArray:
+    """Return S of each interface [MPa], the mean over its length.
+
+    A crack passes the parts of an interface one after the other, so that their cycles add up; by
+    Eq. (28)-(31) the cycles of a part go with its length and with its S.
+
+    Args:
+        cementite_share: Share of the length that cuts cementite; shape (k,).
+        yield_strength, cementite_strength: S beside cementite, and across it [MPa].
+    """
+    return yield_strength + cementite_share * (cementite_strength - yield_strength)
 
 
 def threshold_stress(interfaces: DamageInterfaces, damage: Damage) -> FloatArray:
@@ -69,6 +79,7 @@ def damage_interfaces(
     midpoint: FloatArray | None = None,
     normal: FloatArray | None = None,
     crack_distance: FloatArray | None = None,
+    cementite_share: FloatArray | None = None,
 ) -> DamageInterfaces:
     """Return interfaces as a damage law sees them.
 
@@ -79,13 +90,17 @@ def damage_interfaces(
         state: Yield stress and threshold of the state.
         remote_threshold: Remote stress at Delta-K_th [MPa].
         midpoint, normal, crack_distance: See ``DamageInterfaces``; NaN where left out.
+        cementite_share: Share of each interface that cuts cementite; shape (k,). Left out, all of
+            a ``cementite`` interface and nothing of the others.
     """
+    if cementite_share is None:
+        cementite_share = (kind == Kind.CEMENTITE).astype(np.float64)
     count = len(length)
     unknown = np.full((count, 2), np.nan)
     return DamageInterfaces(
         length=length,
         kind=kind,
-        strength=strength(kind, state.yield_stress, damage.cementite_strength),
+        strength=strength(cementite_share, state.yield_stress, damage.cementite_strength),
         midpoint=unknown if midpoint is None else midpoint,
         normal=unknown if normal is None else normal,
         crack_distance=np.full(count, np.nan) if crack_distance is None else crack_distance,

@@ -43,6 +43,10 @@ def stream(seed: int, index: int, key: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(index, key)))
 
 
+PointLabels = tuple[IntArray, IntArray, IntArray]
+"""Prior austenite grain, block and colony of points; (n,) each."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Level:
     """Seeds of one level in undeformed coordinates.
@@ -114,16 +118,49 @@ class LabelMap:
     deformation: FloatArray
     window: tuple[float, float]
 
-    def labels(self, points: FloatArray) -> tuple[IntArray, IntArray, IntArray]:
-        """Return prior austenite grain, block and colony of points in the window [um]; (n, 2)."""
-        return self.labels_undeformed(points @ np.linalg.inv(self.deformation).T)
+    def labels(self, points: FloatArray, known_grain: IntArray | None = None) -> PointLabels:
+        """Return prior austenite grain, block and colony of points in the window.
 
-    def labels_undeformed(self, points: FloatArray) -> tuple[IntArray, IntArray, IntArray]:
-        """Return prior austenite grain, block and colony of points before shear [um]; (n, 2)."""
+        Args:
+            points: [um]; (n, 2).
+            known_grain: Grain of each where it is known, else -1; (n,). Spares half of the search.
+        """
+        return self.labels_undeformed(points @ np.linalg.inv(self.deformation).T, known_grain)
+
+    def labels_undeformed(
+        self, points: FloatArray, known_grain: IntArray | None = None
+    ) -> PointLabels:
+        """Return ``labels`` of points given before shear [um]; (n, 2)."""
         grains, blocks, colonies = self.levels
-        grain = grains.nearest(points, np.zeros(len(points), dtype=np.int64))
+        grain = np.full(len(points), -1) if known_grain is None else known_grain.copy()
+        unknown = np.flatnonzero(grain < 0)
+        grain[unknown] = grains.nearest(points[unknown], np.zeros(len(unknown), dtype=np.int64))
         block = blocks.nearest(points, grain)
         return grain, block, colonies.nearest(points, block)
+
+    def boundaries(self, one: PointLabels, other: PointLabels) -> tuple[IntArray, FloatArray]:
+        """Return which boundary lies between points, and its unit normal after shear.
+
+        A boundary bisects the seeds of the two grains, of two blocks of one grain or of two
+        colonies of one block; shear carries it along, so that its normal turns with F^-T.
+
+        Args:
+            one, other: What ``labels`` gives for points on the two sides; (n,) each.
+
+        Returns:
+            Level at which they part: 0 grain, 1 block, 2 colony, 3 none (n,); normals, 0 where
+            there is none (n, 2).
+        """
+        level = np.full(len(one[0]), len(self.levels))
+        normal = np.zeros((len(level), 2))
+        for number in reversed(range(len(self.levels))):
+            apart = one[number] != other[number]
+            level[apart] = number
+            seeds = self.levels[number].seeds
+            normal[apart] = seeds[other[number][apart]] - seeds[one[number][apart]]
+        normal = normal @ np.linalg.inv(self.deformation)
+        size = np.hypot(normal[:, 0], normal[:, 1])
+        return level, normal / np.where(size > 0.0, size, 1.0)[:, None]
 
 
 def make_label_map(

@@ -9,6 +9,7 @@ import numpy as np
 from pearlite_petsc.errors import MeshError
 from pearlite_petsc.output.safe_stream import hdf5_file
 from pearlite_petsc.output.whole_file import whole_file
+from pearlite_petsc.scene import Kind
 from pearlite_petsc.tessellation.mesh import Mesh
 
 FORMAT_VERSION = 2
@@ -45,6 +46,7 @@ _DATASETS: dict[str, tuple[str, str, str]] = {
     "midpoint": ("interfaces/midpoint_um", "um", "midpoint, x and y"),
     "normal": ("interfaces/normal", "1", "unit normal from element i to element j"),
     "kind": ("interfaces/kind", "1", _KINDS),
+    "cementite_share": ("interfaces/cementite_share", "1", "share of the length across cementite"),
     "boundary_elements": ("boundary/elements", "1", "element of each facet of the window's edge"),
     "boundary_vertices": ("boundary/vertices", "1", "end vertices, counter-clockwise"),
 }
@@ -84,8 +86,14 @@ def read_mesh(path: Path) -> Mesh:
             if version not in (FIRST_FORMAT, FORMAT_VERSION):
                 raise MeshError(f"{path}: format {version} is not {FORMAT_VERSION}")
             fields: dict[str, Any] = {
-                field: np.asarray(file[_name(field, version)][()]) for field in _DATASETS
+                field: np.asarray(file[_name(field, version)][()])
+                for field in _DATASETS
+                if field != "cementite_share"
             }
+            share = file.get(_DATASETS["cementite_share"][0])
+            # Version 0.1.0 wrote kinds only, and knew no mixed interfaces.
+            known = fields["kind"] == Kind.CEMENTITE if share is None else share[()]
+            fields["cementite_share"] = np.asarray(known, dtype=np.float64)
             return Mesh(
                 **fields,
                 window=_pair(file.attrs["window_um"]),

@@ -24,7 +24,8 @@ class Subdomain:
         interface_numbers: Global numbers of the interfaces; (k,).
         interface_elements: Local elements i, j of each interface; (k, 2).
         stiffness: Intact springs of the interfaces.
-        length, midpoint, normal, kind: Of each interface; (k,), (k, 2), (k, 2), (k,).
+        length, midpoint, normal, kind, cementite_share: Of each interface; (k,), (k, 2), (k, 2),
+            (k,), (k,).
         fine: Whether both elements have the full resolution; (k,).
         junctions: At both ends of each interface; (k, 2).
         ends: Where those junctions are [um]; (k, 2, 2).
@@ -45,6 +46,7 @@ class Subdomain:
     midpoint: FloatArray
     normal: FloatArray
     kind: IntArray
+    cementite_share: FloatArray
     fine: BoolArray
     junctions: IntArray
     ends: FloatArray
@@ -137,6 +139,7 @@ def subdomain_of(mesh: Mesh, stiffness: Stiffness, first: int, last: int) -> Sub
         midpoint=mesh.midpoint[chosen],
         normal=mesh.normal[chosen],
         kind=mesh.kind[chosen],
+        cementite_share=mesh.cementite_share[chosen],
         fine=mesh.fine[pairs[chosen]].all(axis=1),
         junctions=junctions,
         ends=_junction_places(mesh)[junctions],

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Literal
 
 from pearlite_petsc.config import load_scene_text
-from pearlite_petsc.scene import Material, Scene, Shear, Springs, Window
+from pearlite_petsc.scene import Kinds, Material, Scene, Shear, Springs, Window
 
 _DEFAULT = load_scene_text("", "verification", ["damage.law=objective"])
 
@@ -29,6 +29,7 @@ def scene_of(
     springs: Springs = "homogeneous",
     seed: int = 1,
     extension: float = 60.0,
+    kinds: Kinds = _DEFAULT.elements.kinds,
 ) -> Scene:
     """Return a scene of the source's microstructure; what is not said here is the default.
 
@@ -38,6 +39,7 @@ def scene_of(
         refinement, shear, springs: As in the scene.
         seed: Of the microstructure.
         extension: Wanted growth [um].
+        kinds: Rule of the interfaces' kinds.
     """
     width, length = size
     elements = replace(
@@ -47,6 +49,7 @@ def scene_of(
         shear=shear,
         refinement=refinement,
         radius=max(18.0, 6.0 * width),
+        kinds=kinds,
     )
     return replace(
         _DEFAULT,

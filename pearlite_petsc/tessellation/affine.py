@@ -61,6 +61,7 @@ def affine_mesh(
         window,
         spacing,
         (state.name, index, seed),
+        label_map if elements.kinds == "cut" else None,
     )
 
 

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
-from pearlite_petsc.scene import Window
-from pearlite_petsc.tessellation.interfaces import interface_kinds, notch_run
+from pearlite_petsc.microstructure.labels import LabelMap
+from pearlite_petsc.scene import Kind, Window
+from pearlite_petsc.tessellation.interfaces import notch_run
+from pearlite_petsc.tessellation.kinds import Facets, kinds_by_labels, shares_by_cut
 from pearlite_petsc.tessellation.mesh import Mesh
 from pearlite_petsc.tessellation.voronoi import (
     Diagram,
@@ -40,6 +42,7 @@ def assemble(
     window: Window,
     spacing: float,
     made_from: tuple[str, int, int],
+    label_map: LabelMap | None = None,
 ) -> Mesh:
     """Drop facets that are too short, find the notch and the kinds, and put the mesh together.
 
@@ -54,6 +57,8 @@ def assemble(
         window: Size and notch [um].
         spacing: Mean spacing of the fine elements [um].
         made_from: State, index, seed.
+        label_map: Microstructure that the kinds follow along each facet; None takes them from the
+            labels of the elements.
 
     Raises:
         MeshError: The facets do not follow the notch.
@@ -64,13 +69,22 @@ def assemble(
     pairs, normal = diagram.pairs[kept], normal[kept]
     facets = oriented_facets(vertices, diagram.facets[kept], normal)
     on_notch, tip = notch_run(vertices, facets, candidates[kept], window, spacing)
-    kind = interface_kinds(
+    between = Facets(
+        vertices,
+        facets,
         normal,
         pairs,
+        np.einsum("kd,kd->k", centre[pairs[:, 1]] - centre[pairs[:, 0]], normal),
         (labels.prior_austenite_grain, labels.block, labels.colony),
         labels.lamella_angle,
-        on_notch,
     )
+    if label_map is None:
+        kind = kinds_by_labels(between)
+        cementite_share = (kind == Kind.CEMENTITE).astype(np.float64)
+    else:
+        shares = shares_by_cut(between, label_map)
+        kind, cementite_share = shares.argmax(axis=1), shares[:, Kind.CEMENTITE]
+    kind[on_notch] = Kind.NOTCH
     state, index, seed = made_from
     return Mesh(
         vertices=vertices,
@@ -91,6 +105,7 @@ def assemble(
         midpoint=vertices[facets].mean(axis=1),
         normal=normal,
         kind=kind,
+        cementite_share=cementite_share,
         boundary_elements=diagram.boundary,
         boundary_vertices=diagram.boundary_facets,
         window=(window.width, window.height),

@@ -231,4 +231,5 @@ def _mesh(substrate: Substrate, nucleus: IntArray, reach: FloatArray, fine: Bool
         window,
         substrate.spacing,
         made_from,
+        substrate.label_map if substrate.elements.kinds == "cut" else None,
     )

@@ -1,41 +1,10 @@
-"""Kinds of interfaces, and the notch as a run of facets."""
+"""The notch as a run of facets."""
 
 import numpy as np
 
 from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
 from pearlite_petsc.errors import MeshError
-from pearlite_petsc.scene import Kind, Window
-
-
-def interface_kinds(
-    normal: FloatArray,
-    pairs: IntArray,
-    labels: tuple[IntArray, IntArray, IntArray],
-    lamella_angle: FloatArray,
-    on_notch: BoolArray,
-) -> IntArray:
-    """Return the kind of each interface.
-
-    Inside a colony an interface within 45 degrees of the lamellae is `lamella`, else `cementite`.
-
-    Args:
-        normal: Unit normals; (k, 2).
-        pairs: Elements of each interface; (k, 2).
-        labels: Prior austenite grain, block, colony of the elements; (n,) each.
-        lamella_angle: Of the elements [rad]; (n,).
-        on_notch: Whether an interface belongs to the notch; (k,).
-
-    Returns:
-        Values of `Kind`; (k,).
-    """
-    angle = lamella_angle[pairs[:, 0]]
-    across = np.abs(normal[:, 0] * np.cos(angle) + normal[:, 1] * np.sin(angle))
-    grain, block, colony = ((label[pairs[:, 0]] == label[pairs[:, 1]]) for label in labels)
-    return np.select(
-        [on_notch, colony & (across <= np.sqrt(0.5)), colony, block, grain],
-        [Kind.NOTCH, Kind.LAMELLA, Kind.CEMENTITE, Kind.COLONY, Kind.BLOCK],
-        Kind.PRIOR_AUSTENITE_GRAIN,
-    ).astype(np.int64)
+from pearlite_petsc.scene import Window
 
 
 def notch_run(

@@ -32,7 +32,9 @@ class Mesh:
         midpoint: [um]; (k, 2).
         normal: Unit normal of the facet, from i to j; (k, 2). It lies along the line of centres
             except under affine shear.
-        kind: Values of scene.Kind; (k,).
+        kind: Values of scene.Kind; where a facet is of several, the one with the largest share;
+            (k,).
+        cementite_share: Share of the length that cuts cementite; (k,).
         boundary_elements: Element of each facet of the window's boundary; (q,).
         boundary_vertices: End vertices, counter-clockwise round the window; (q, 2).
         window: Width and height [um].
@@ -58,6 +60,7 @@ class Mesh:
     midpoint: FloatArray
     normal: FloatArray
     kind: IntArray
+    cementite_share: FloatArray
     boundary_elements: IntArray
     boundary_vertices: IntArray
     window: tuple[float, float]

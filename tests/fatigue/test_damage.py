@@ -119,7 +119,25 @@ def test_more_stress_is_never_less_damage(stress: float, more: float) -> None:
 
 def test_only_interfaces_across_lamellae_have_the_strength_of_cementite() -> None:
     kinds = np.array([kind.value for kind in Kind])
-    assert strength(kinds, 470.0, 2e4).tolist() == [470.0, 2e4, 470.0, 470.0, 470.0, 470.0]
+    factor = constants_of(np.full(6, 3.0), kinds, DAMAGE, STATE).factor
+    weak = STATE.yield_stress / DAMAGE.cementite_strength
+    assert factor / factor[0] == pytest.approx([1.0, weak, 1.0, 1.0, 1.0, 1.0], rel=1e-14)
+
+
+def test_cycles_of_a_mixed_interface_are_those_of_its_parts_added_up() -> None:
+    share = np.array([0.0, 0.3, 1.0])
+    assert strength(share, 470.0, 2e4).tolist() == [470.0, 6329.0, 2e4]
+    kinds = np.full(3, int(Kind.CEMENTITE))
+    length = np.full(3, 5.0)
+    mixed = damage_interfaces(length, kinds, DAMAGE, STATE, 0.0, cementite_share=share)
+    stress = np.full(3, 9e3)
+    cycles = 1.0 / DAMAGE.law.rate_constants(mixed, DAMAGE).rate(stress, 0.0 * stress)
+    assert cycles[1] == pytest.approx(0.7 * cycles[0] + 0.3 * cycles[2], rel=1e-12)
+
+
+def test_equal_strengths_leave_no_trace_of_the_kind() -> None:
+    share = np.linspace(0.0, 1.0, 11)
+    assert (strength(share, 616.3, 616.3) == 616.3).all()
 
 
 def test_a_remote_threshold_is_one_stress_and_a_tip_threshold_falls_with_the_length() -> None:

@@ -81,6 +81,7 @@ def voronoi_mesh(columns: int = 8, rows: int = 8, size: float = 10.0, seed: int 
         midpoint=midpoint,
         normal=normal,
         kind=kind,
+        cementite_share=np.zeros(len(kind)),
         boundary_elements=boundary,
         boundary_vertices=boundary_ends,
         window=(width, height),

@@ -15,6 +15,7 @@ from pearlite_petsc.growth.prepared import Prepared, prepare_growth
 from pearlite_petsc.mechanics.loads import AiryFunction, williams_mode_one
 from pearlite_petsc.mechanics.springs import spring_stiffness
 from pearlite_petsc.mechanics.statics import solve
+from pearlite_petsc.microstructure.labels import LabelMap, Level
 from pearlite_petsc.scene import Kind, Scene, State
 from pearlite_petsc.studies.bodies import rotated
 from pearlite_petsc.studies.cases import DAMAGE, STATES, STEEL, scene_of
@@ -89,9 +90,34 @@ def mirrored(prepared: Prepared) -> Prepared:
     substrate = prepared.substrate
     points = substrate.points.copy()
     points[:, 1] = substrate.window.height - points[:, 1]
-    angle = np.mod(np.pi - substrate.lamella_angle, np.pi)
-    other = replace(substrate, points=points, lamella_angle=angle)
+    other = replace(
+        substrate,
+        points=points,
+        lamella_angle=_mirrored_angle(substrate.lamella_angle),
+        label_map=_mirrored_map(substrate.label_map),
+    )
     return Prepared(other, prepared.zone, tessellate(other, prepared.zone), prepared.ratio)
+
+
+def _mirrored_map(label_map: LabelMap) -> LabelMap:
+    flip = np.diag([1.0, -1.0])
+    deformation = flip @ label_map.deformation @ flip
+    # Mirrored about half height: a place p goes to flip p + (0, height), a seed likewise.
+    shift = np.linalg.inv(deformation) @ [0.0, label_map.window[1]]
+    grains, blocks, colonies = (
+        Level.of(level.seeds @ flip + shift, level.parent) for level in label_map.levels
+    )
+    return replace(
+        label_map,
+        levels=(grains, blocks, colonies),
+        lamella_angle=_mirrored_angle(label_map.lamella_angle),
+        undeformed_angle=_mirrored_angle(label_map.undeformed_angle),
+        deformation=deformation,
+    )
+
+
+def _mirrored_angle(angle: FloatArray) -> FloatArray:
+    return np.mod(np.pi - angle, np.pi)
 
 
 def _mirror(
@@ -121,7 +147,9 @@ def _kinds(section: Section, scene: Scene, state: State, prepared: Prepared) -> 
     equal = replace(scene, damage=replace(scene.damage, cementite_strength=state.yield_stress))
     mesh = prepared.mesh
     single = np.where(mesh.kind == Kind.NOTCH, mesh.kind, int(Kind.LAMELLA))
-    one_kind = replace(prepared, mesh=replace(mesh, kind=single))
+    one_kind = replace(
+        prepared, mesh=replace(mesh, kind=single, cementite_share=np.zeros(len(single)))
+    )
     first, second = grow(equal, state, prepared), grow(equal, state, one_kind)
     _same_cracks(
         section, f"{state.name}: sigma_c = sigma_yield, all interfaces one kind", first, second

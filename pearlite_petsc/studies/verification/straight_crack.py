@@ -30,7 +30,8 @@ def grid_prepared(scene: Scene, width: float) -> Prepared:
     along = np.abs(mesh.normal[:, 1]) > 0.5
     kind = np.where(along, int(Kind.LAMELLA), int(Kind.CEMENTITE))
     kind[on_line(mesh, 0.5 * SIZE, 0.0, NOTCH)] = int(Kind.NOTCH)
-    mesh = replace(mesh, kind=kind, notch=(NOTCH, 0.5 * SIZE))
+    across = (~along).astype(np.float64)
+    mesh = replace(mesh, kind=kind, cementite_share=across, notch=(NOTCH, 0.5 * SIZE))
     # A uniform mesh is never replaced: what it was made from is not asked for.
     return replace(prepare_growth(scene, STATE, 0), mesh=mesh)
 
