@@ -21,7 +21,7 @@ from tests.scenes import STATES, default_scene
 EVERYWHERE = FineZone(np.array([[0.0, 0.0, 90.0, 90.0]]), np.empty((0, 3)))
 WINDOW = {"width": 90.0, "height": 90.0, "notch": 36.0}
 every_state = pytest.mark.parametrize("name", STATES)
-every_width = pytest.mark.parametrize("width", [1.0, 2.0, 4.0])
+every_width = pytest.mark.parametrize("width", [1.5, 3.0])
 
 
 @cache
@@ -181,7 +181,7 @@ def test_no_facet_is_weak_that_cuts_lamellae_all_along_and_has_no_boundary_by_it
     label_map = substrate(name, width).label_map
     m = tessellate(substrate(name, width), FineZone(EVERYWHERE.boxes / 2.0, EVERYWHERE.discs))
     start, end = m.vertices[m.interface_vertices].transpose(1, 0, 2)
-    share = np.linspace(0.02, 0.98, 25)[:, None, None]
+    share = np.linspace(0.02, 0.98, 9)[:, None, None]
     places = (1.0 - share) * start + share * end
     i, j = m.interface_elements.T
     half = 0.5 * ((m.centre[j] - m.centre[i]) * m.normal).sum(axis=1)[:, None] * m.normal
@@ -224,7 +224,7 @@ def test_boundaries_are_as_long_as_those_of_the_map_whatever_the_width() -> None
         m = mesh("undeformed", width)
         shares = shares_by_cut(facets_of(m), label_map)
         found = m.length @ shares[:, Kind.COLONY :].sum(axis=1)
-        assert 0.8 < found / exact < 1.0
+        assert abs(found / exact - 0.83) < 0.05
 
 
 def test_in_one_colony_both_rules_agree() -> None:
