@@ -156,7 +156,7 @@ def _elements() -> Table:
                 "remesh",
                 "affine",
             ),
-            _word(
+            word(
                 "kinds",
                 'interfaces by the "labels" of their elements, or by what they "cut" on the label map',
                 "labels",
