@@ -96,7 +96,7 @@ class Domain(Closing):
             subdomain.midpoint,
             subdomain.normal,
             crack_distance,
-            part.cementite_share,
+            subdomain.cementite_share,
         )
         return damage.law.rate_constants(interfaces, damage).only(subdomain.fine)
 

@@ -181,7 +181,7 @@ def test_no_facet_is_weak_that_cuts_lamellae_all_along_and_has_no_boundary_by_it
     label_map = substrate(name, width).label_map
     m = tessellate(substrate(name, width), FineZone(EVERYWHERE.boxes / 2.0, EVERYWHERE.discs))
     start, end = m.vertices[m.interface_vertices].transpose(1, 0, 2)
-    share = np.linspace(0.02, 0.98, 9)[:, None, None]
+    share = np.linspace(0.0, 1.0, 25)[:, None, None]
     places = (1.0 - share) * start + share * end
     i, j = m.interface_elements.T
     half = 0.5 * ((m.centre[j] - m.centre[i]) * m.normal).sum(axis=1)[:, None] * m.normal
