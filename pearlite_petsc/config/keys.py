@@ -10,16 +10,7 @@ from pearlite_petsc import scene
 from pearlite_petsc.config.shipped import SHIPPED
 from pearlite_petsc.laws.catalogue import Laws
 from pearlite_petsc.laws.damage import DamageLaw
-from pearlite_petsc.laws.key import (
-    LENGTH,
-    SHARE,
-    Key,
-    Limits,
-    integer,
-    number,
-    switch,
-    word,
-)
+from pearlite_petsc.laws.key import LENGTH, SHARE, Key, Limits, integer, number, switch, word
 from pearlite_petsc.laws.law import Law, Source
 
 NAME_PATTERN = "[A-Za-z0-9][A-Za-z0-9_+-]{0,59}"
