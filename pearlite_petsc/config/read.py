@@ -26,6 +26,15 @@ from pearlite_petsc.scene import Scene, State
 
 MOST_STATES = 100
 
+_MONTH = "jan|feb|mar|apr|may|jun|jul|aug|sept?|oct|nov|dec|march|april|june|july"
+NOT_A_WORD = re.compile(
+    # What pandas, R and spreadsheets make something else of when they read fcg.csv.
+    r"na|nan|null|none|true|false|t|f|inf|infinity"
+    r"|[0-9]+(?:[ed][+-]?[0-9]+)?|[0-9]+(?:_[0-9]+)+|0x[0-9a-f]+"
+    rf"|[0-9]+(?:-[0-9]+){{1,2}}|[0-9]+-(?:{_MONTH})|(?:{_MONTH})-?[0-9]+",
+    re.IGNORECASE,
+)
+
 
 def load_scene(
     path: str | PathLike[str], overrides: Iterable[str] = (), laws: Laws = SHIPPED
@@ -198,6 +207,9 @@ def _states(document: Document, known: tuple[Table, ...]) -> tuple[State, ...]:
         path = ("states", name)
         if re.fullmatch(NAME_PATTERN, name) is None:
             text = "is no name for a state: letters, digits, _, + and - only, at most 60"
+            raise document.error(path, text)
+        if NOT_A_WORD.fullmatch(name):
+            text = "is no name for a state: table readers take it for a number, a date or no value"
             raise document.error(path, text)
         if name.lower() in states:
             raise document.error(path, "differs from another state by upper and lower case only")

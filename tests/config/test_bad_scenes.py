@@ -16,6 +16,29 @@ def message(text: str, *overrides: str) -> str:
     return line
 
 
+WHOLE_STATE = """
+shear_strain = 1.0
+orientation = "AT"
+yield_stress_mpa = 700.0
+delta_k_th_mpa_sqrt_m = 4.0
+"""
+
+
+@pytest.mark.parametrize(
+    "name",
+    "NA nan null None TRUE F 007 1e5 12 0x1F 1_000 inf 2026-11-27 1-2 MAR1 2-mar sept2".split(),
+)
+def test_a_name_that_table_readers_take_for_something_else_is_refused(name: str) -> None:
+    said = message(f"[states.{name}]\n{WHOLE_STATE}")
+    assert f"[states] {name} is no name for a state: table readers" in said
+
+
+@pytest.mark.parametrize("name", ["R260", "1st", "7a", "nano", "nullified", "350-HT", "march_rail"])
+def test_a_name_that_looks_a_little_like_it_is_taken(name: str) -> None:
+    scene = load_scene_text(f"[states.{name}]\n{WHOLE_STATE}", "a.toml")
+    assert scene.states[0].name == name
+
+
 def message_of_file(path: Path | str) -> str:
     with pytest.raises(SceneError) as caught:
         load_scene(path)
