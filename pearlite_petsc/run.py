@@ -10,6 +10,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
@@ -33,7 +34,7 @@ from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.launch.channel import Channel
 from pearlite_petsc.launch.display import Screen, Standing, display_of_rank, started_by_mpi
 from pearlite_petsc.launch.mpirun import launch_run, missing_modules
-from pearlite_petsc.output.experiment import read_experiment
+from pearlite_petsc.output.experiment import KEPT, Experiment, parse_experiment, read_experiment
 from pearlite_petsc.output.results import read_results
 from pearlite_petsc.scene import Scene
 from pearlite_petsc.world import world
@@ -64,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         say(json.dumps(scene_schema(), indent=2))
         return ExitStatus.DONE
     try:
-        scene = _scene(chosen)
+        scene, experiment = _scene(chosen)
         _check_options(chosen, petsc)
     except SceneError as error:
         complain(str(error))
@@ -87,12 +88,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
             complain(str(error))
             return ExitStatus.BAD_INPUT
         return launch_run(given, chosen.ranks, folder)
-    return _start(chosen, scene, folder, petsc, ["pearlite_petsc.run", *given], started)
+    if experiment is not None:
+        # The output folder keeps a copy: what is in it must not hang on a file elsewhere.
+        scene = replace(scene, output=replace(scene.output, experiment=KEPT))
+    command = ["pearlite_petsc.run", *given]
+    return _start(chosen, scene, experiment, folder, petsc, command, started)
 
 
 def _start(
     chosen: argparse.Namespace,
     scene: Scene,
+    experiment: Experiment | None,
     folder: Path,
     petsc: Sequence[str],
     command: Sequence[str],
@@ -121,6 +127,7 @@ def _start(
                 chosen.retry_failed,
                 chosen.checkpoint_interval,
                 tuple(command),
+                experiment,
             )
             status = Session(ranks, scene, settings, started, request, screen).run()
             return _end(channel, screen, status, "", ranks.rank == 0)
@@ -157,8 +164,11 @@ def _last_words(error: BaseException, rank: int) -> str:
     )
 
 
-def _scene(chosen: argparse.Namespace) -> Scene:
-    """Return the scene of a TOML file, of a ``results.h5`` or the default one, fully checked."""
+def _scene(chosen: argparse.Namespace) -> tuple[Scene, Experiment | None]:
+    """Return the scene of a TOML file, of a ``results.h5`` or the default one, fully checked.
+
+    With it come the measured points that it names; those of a ``results.h5`` are in it.
+    """
     overrides = list(chosen.set)
     if chosen.ranks_per_task is not None:
         overrides.append(f"ensemble.ranks_per_task={chosen.ranks_per_task}")
@@ -172,16 +182,19 @@ def _scene(chosen: argparse.Namespace) -> Scene:
     if path.suffix in (".h5", ".hdf5"):
         if not path.is_file():
             raise SceneError(f"{path}: no such file")
-        text = read_results(path).scene_text
-        return _with_experiment(load_scene_text(text, str(path), overrides))
+        stored = read_results(path)
+        scene = load_scene_text(stored.scene_text, str(path), overrides)
+        own = not any(text.startswith("output.experiment") for text in overrides)
+        return _with_experiment(scene, stored.experiment_text if own else None)
     return _with_experiment(load_scene(path, overrides))
 
 
-def _with_experiment(scene: Scene) -> Scene:
-    if scene.output.experiment is not None:
-        states = [state.name for state in scene.states]
-        read_experiment(Path(scene.output.experiment), states)
-    return scene
+def _with_experiment(scene: Scene, text: str | None = None) -> tuple[Scene, Experiment | None]:
+    states = [state.name for state in scene.states]
+    if text is not None:
+        return scene, parse_experiment(text, KEPT, states)
+    name = scene.output.experiment
+    return scene, None if name is None else read_experiment(Path(name), states)
 
 
 def _check_options(chosen: argparse.Namespace, petsc: Sequence[str]) -> None:

@@ -42,7 +42,8 @@ def load_scene(
     """Read and validate a scene file.
 
     Args:
-        path: TOML file; missing tables and keys take their defaults.
+        path: TOML file; missing tables and keys take their defaults. ``output.experiment`` is
+            looked for beside it, then in the working directory.
         overrides: "table.key=value" each, set after the file is read.
         laws: The laws that the scene may choose from.
 
@@ -51,7 +52,9 @@ def load_scene(
             and limit.
     """
     file = Path(path)
-    return _scene(parse_text(read_text(file), plain(str(file))), file.stem, overrides, laws)
+    document = parse_text(read_text(file), plain(str(file)))
+    _find_experiment(document, file.parent)
+    return _scene(document, file.stem, overrides, laws)
 
 
 def load_scene_text(
@@ -80,6 +83,16 @@ def _scene(document: Document, stem: str, overrides: Iterable[str], laws: Laws) 
     if problem is not None:
         raise document.error(problem[:2], problem[2])
     return scene
+
+
+def _find_experiment(document: Document, folder: Path) -> None:
+    """Let ``output.experiment`` of a file mean the one beside the file, if there is one."""
+    output = document.tables.get("output")
+    if not isinstance(output, dict):
+        return
+    name = output.get("experiment")
+    if isinstance(name, str) and name.isprintable() and name and (folder / name).is_file():
+        output["experiment"] = str(folder / name)
 
 
 def _refuse_unknown_tables(document: Document, known: tuple[Table, ...]) -> None:

@@ -6,20 +6,12 @@ from time import perf_counter
 
 from pearlite_petsc.ensemble.group import Group
 from pearlite_petsc.ensemble.store import Store
-from pearlite_petsc.ensemble.tasks import Task
+from pearlite_petsc.ensemble.tasks import Task, wants_fields
 from pearlite_petsc.fatigue.outcome import GrowthState, Step
-from pearlite_petsc.output.tables import middle_delta_k
 from pearlite_petsc.output.xdmf import FieldMarks, FieldSeries
 from pearlite_petsc.scene import Scene
 
 _log = logging.getLogger(__name__)
-
-
-def wants_fields(scene: Scene, task: Task) -> bool:
-    """Return whether a task's fields are written."""
-    if scene.output.fields == "first":
-        return task.mesh_index == 0 and task.delta_k == middle_delta_k(scene)
-    return scene.output.fields == "all"
 
 
 class FieldObserver:

@@ -5,6 +5,8 @@ import fcntl
 import json
 import os
 import shutil
+import tomllib
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic, sleep
 from typing import IO
@@ -15,15 +17,20 @@ from pearlite_petsc.config import (
     scene_to_toml,
 )
 from pearlite_petsc.ensemble.sealed_file import PROGRAM
+from pearlite_petsc.ensemble.store import Store
+from pearlite_petsc.ensemble.tasks import all_tasks, wants_fields
 from pearlite_petsc.errors import SceneError
+from pearlite_petsc.output.experiment import KEPT
 from pearlite_petsc.output.whole_file import unusable, whole_file
-from pearlite_petsc.scene import Scene
+from pearlite_petsc.scene import Output, Scene
 
 MARK = Path("checkpoint") / "run.json"
+LOCK = Path("checkpoint") / "lock"
 MADE = (
     "scene.resolved.toml",
     "provenance.json",
     "progress.json",
+    KEPT,
     "fcg.csv",
     "results.h5",
     "report.html",
@@ -47,24 +54,37 @@ class OutputFolder:
         scene: What is to be computed.
         resume: Go on with what is there.
         overwrite: Remove what an earlier run made.
+        experiment: Text of the measured points, of which the folder keeps a copy.
 
     Raises:
         SceneError: The folder cannot be used; it is as it was.
     """
 
-    def __init__(self, path: Path, scene: Scene, resume: bool, overwrite: bool) -> None:
+    def __init__(
+        self,
+        path: Path,
+        scene: Scene,
+        resume: bool,
+        overwrite: bool,
+        experiment: str | None = None,
+    ) -> None:
         self.path = path
         self._lock: IO[str] | None = None
         try:
-            found = find_earlier_run(path, scene, resume, overwrite)
+            find_earlier_run(path, scene, resume, overwrite)
             (path / "checkpoint").mkdir(parents=True, exist_ok=True)
             self._take_lock()
+            # Once more: another run may have come and gone since, and this one waited for its lock.
+            found = find_earlier_run(path, scene, resume, overwrite)
             if found and not resume:
                 self._remove()
-            self._enter(scene)
+            self._enter(scene, experiment)
         except OSError as error:
             self.close()
             raise unusable(path, error) from None
+        except SceneError:
+            self.close()
+            raise
         self.resumed = found and resume
 
     def close(self) -> None:
@@ -74,7 +94,7 @@ class OutputFolder:
             self._lock = None
 
     def _take_lock(self) -> None:
-        self._lock = (self.path / "checkpoint" / "lock").open("a+")
+        self._lock = (self.path / LOCK).open("a+")
         end = monotonic() + LOCK_SECONDS
         while True:
             try:
@@ -104,7 +124,7 @@ class OutputFolder:
         for name in ("finished", "growing"):
             shutil.rmtree(self.path / "checkpoint" / name, ignore_errors=True)
 
-    def _enter(self, scene: Scene) -> None:
+    def _enter(self, scene: Scene, experiment: str | None) -> None:
         text = scene_to_toml(scene)
         mark = {
             "program": PROGRAM,
@@ -116,6 +136,11 @@ class OutputFolder:
             partial.write_text(json.dumps(mark, indent=1) + "\n", encoding="utf-8")
         with whole_file(self.path / "scene.resolved.toml") as partial:
             partial.write_text(text, encoding="utf-8")
+        if experiment is None:
+            (self.path / KEPT).unlink(missing_ok=True)
+        else:
+            with whole_file(self.path / KEPT) as partial:
+                partial.write_bytes(experiment.encode())
 
 
 def find_earlier_run(path: Path, scene: Scene, resume: bool, overwrite: bool) -> bool:
@@ -136,7 +161,7 @@ def find_earlier_run(path: Path, scene: Scene, resume: bool, overwrite: bool) ->
     if not os.access(nearest, os.W_OK | os.X_OK):
         number = errno.EROFS if os.geteuid() == 0 else errno.EACCES
         raise unusable(path, OSError(number, os.strerror(number)))
-    if not path.exists() or not any(path.iterdir()):
+    if not path.exists() or _is_abandoned(path):
         return False
     mark = path / MARK
     if not mark.is_file():
@@ -146,15 +171,42 @@ def find_earlier_run(path: Path, scene: Scene, resume: bool, overwrite: bool) ->
     if not resume and not overwrite:
         raise SceneError(f"{path}: exists; --resume goes on with it, --overwrite replaces it")
     if resume:
-        refuse_other_scene(mark, scene)
+        before = output_of_earlier_run(mark, scene)
+        refuse_fields_of_the_past(path / "checkpoint", before, scene)
     return True
 
 
-def refuse_other_scene(mark: Path, scene: Scene) -> None:
-    """Check that an earlier run computed the same scene.
+def _is_abandoned(path: Path) -> bool:
+    """Return whether a folder is empty or holds no more than a run that ended at its start left."""
+    left = {Path("checkpoint"), LOCK, MARK.with_name(MARK.name + ".partial")}
+    return all(item.relative_to(path) in left for item in path.rglob("*"))
+
+
+def refuse_fields_of_the_past(checkpoint: Path, before: Output, scene: Scene) -> None:
+    """Check that no finished crack would need fields that it was not asked for when it grew.
 
     Raises:
-        SceneError: It did not, with the keys that differ; or its mark cannot be read.
+        SceneError: One would.
+    """
+    old = replace(scene, output=before)
+    for task in all_tasks(scene):
+        wanted = wants_fields(scene, task)
+        had = wants_fields(old, task) and before.field_steps == scene.output.field_steps
+        if wanted and not had and Store(checkpoint, "").has_finished(task):
+            raise SceneError(
+                f'{checkpoint.parent}: [output] fields = "{scene.output.fields}", field_steps = '
+                f"{scene.output.field_steps} ask for fields of {task.name}, which is finished and "
+                f'was grown with "{before.fields}", {before.field_steps}; leave them so, '
+                "or choose another --output"
+            )
+
+
+def output_of_earlier_run(mark: Path, scene: Scene) -> Output:
+    """Return what an earlier run of the same scene was asked to write.
+
+    Raises:
+        SceneError: It computed another scene, with the keys that differ; or its mark cannot be
+            read.
     """
     try:
         content = json.loads(mark.read_text(encoding="utf-8"))
@@ -164,12 +216,14 @@ def refuse_other_scene(mark: Path, scene: Scene) -> None:
         raise SceneError(f"{mark}: cannot be read ({error}); --overwrite begins again") from None
     if program != PROGRAM or version != FORMAT_VERSION:
         raise SceneError(f"{mark}: is of {program}, format {version}, not {FORMAT_VERSION}")
-    if old == scene_hash(scene):
-        return
     try:
         lines = scene_difference(text, scene_to_toml(scene))
-    except ValueError as error:
+        before = tomllib.loads(text)["output"]
+        output = replace(scene.output, fields=before["fields"], field_steps=before["field_steps"])
+    except (ValueError, KeyError, TypeError) as error:
         raise SceneError(f"{mark}: holds a scene that cannot be read ({error})") from None
+    if old == scene_hash(scene):
+        return output
     shown = "; ".join(line for line in lines if not line.startswith("[output]"))
     raise SceneError(
         f"{mark.parent.parent}: holds another scene ({shown or 'its hash differs'}); choose "

@@ -17,7 +17,7 @@ from pearlite_petsc.ensemble.store import Store
 from pearlite_petsc.ensemble.tasks import all_tasks
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.launch.display import Screen, Standing
-from pearlite_petsc.output.experiment import read_experiment
+from pearlite_petsc.output.experiment import Experiment
 from pearlite_petsc.output.provenance import write_provenance
 from pearlite_petsc.output.results import read_results, write_results
 from pearlite_petsc.output.tables import write_fcg, write_growth
@@ -31,7 +31,12 @@ MOST_DRAWING = 4
 """Ranks that draw figures; each reads all results."""
 
 
-def write_products(folder: Path, scene: Scene, provenance: Mapping[str, Any]) -> list[Outcome]:
+def write_products(
+    folder: Path,
+    scene: Scene,
+    provenance: Mapping[str, Any],
+    experiment: Experiment | None = None,
+) -> list[Outcome]:
     """Write the tables, ``results.h5`` and ``provenance.json`` of all finished tasks.
 
     First rank only.
@@ -40,6 +45,7 @@ def write_products(folder: Path, scene: Scene, provenance: Mapping[str, Any]) ->
         folder: The output folder.
         scene: The scene.
         provenance: What ran, where and when; the hash of every mesh is added.
+        experiment: Measured points to keep with the results.
 
     Returns:
         The finished tasks in order.
@@ -61,7 +67,8 @@ def write_products(folder: Path, scene: Scene, provenance: Mapping[str, Any]) ->
         "mesh_hashes": hashes,
     }
     write_fcg(folder / "fcg.csv", outcomes, [state.name for state in scene.states])
-    write_results(folder / "results.h5", scene_to_toml(scene), outcomes, facts)
+    points = None if experiment is None else experiment.text
+    write_results(folder / "results.h5", scene_to_toml(scene), outcomes, facts, points)
     write_provenance(folder / "provenance.json", facts)
     return outcomes
 
@@ -71,6 +78,7 @@ def draw_and_report(
     folder: Path,
     scene: Scene,
     provenance: Mapping[str, Any],
+    experiment: Experiment | None,
     stopping: Callable[[], int],
     screen: Screen,
 ) -> bool:
@@ -83,6 +91,7 @@ def draw_and_report(
         folder: The output folder.
         scene: The scene.
         provenance: What ran, where and when.
+        experiment: Measured points to draw.
         stopping: Not 0 where this rank is to draw no more.
         screen: What the user sees.
 
@@ -97,8 +106,7 @@ def draw_and_report(
     jobs: list[Job] = []
     if world.rank < MOST_DRAWING:
         outcomes = read_results(folder / "results.h5").outcomes
-        name = scene.output.experiment
-        measured = () if name is None else read_experiment(Path(name)).points
+        measured = () if experiment is None else experiment.points
         result = Result(folder, scene, outcomes, measured)
         jobs = figure_jobs(result)
     count = world.bcast(len(jobs))

@@ -23,6 +23,7 @@ from pearlite_petsc.ensemble.tasks import refuse_few_ranks
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.launch.display import Screen, Standing, clock
+from pearlite_petsc.output.experiment import Experiment
 from pearlite_petsc.output.provenance import provenance
 from pearlite_petsc.scene import Scene
 from pearlite_petsc.solver.petsc_build import petsc_facts
@@ -41,6 +42,7 @@ class Settings:
         resume, overwrite, retry_failed: What to do with what is there.
         interval: Seconds between checkpoints of a crack.
         command: Command line as given.
+        experiment: Measured points to be kept and drawn, None for none.
     """
 
     folder: Path
@@ -49,6 +51,7 @@ class Settings:
     retry_failed: bool
     interval: float
     command: tuple[str, ...]
+    experiment: Experiment | None = None
 
 
 class Session:
@@ -87,7 +90,13 @@ class Session:
         refuse_few_ranks(scene, world.size)
         with ExitStack() as stack:
             output = self._on_first(
-                lambda: OutputFolder(settings.folder, scene, settings.resume, settings.overwrite)
+                lambda: OutputFolder(
+                    settings.folder,
+                    scene,
+                    settings.resume,
+                    settings.overwrite,
+                    None if settings.experiment is None else settings.experiment.text,
+                )
             )
             if output is not None:
                 stack.callback(output.close)
@@ -123,7 +132,7 @@ class Session:
         if self._first:
             self._screen.stand(Standing("writing the results"))
             try:
-                write_products(folder, self._scene, facts)
+                write_products(folder, self._scene, facts, self._settings.experiment)
             except (OSError, RuntimeError) as error:
                 _log.error("the results cannot be written: %s", error)
                 self._screen.trouble(f"{folder}: the results cannot be written: {error}")
@@ -132,7 +141,13 @@ class Session:
         drawn, shown = True, folder
         if written and not stop and self._scene.output.figures:
             drawn = draw_and_report(
-                self._world, folder, self._scene, facts, self._request.code, self._screen
+                self._world,
+                folder,
+                self._scene,
+                facts,
+                self._settings.experiment,
+                self._request.code,
+                self._screen,
             )
             stop = self._world.allreduce(self._request.code(), MPI.MAX)
             shown = folder / "report.html"
@@ -161,6 +176,9 @@ class Session:
             ranks = f"{self._world.size} rank(s), {each} a task"
             ranks += f" ({left_over} left over)" if left_over else ""
             self._say(f"{self._scene.name}: {len(status)} tasks on {ranks}")
+        experiment = self._settings.experiment
+        for text in () if experiment is None else experiment.notes:
+            self._say(f"note: {text}")
         for text in method_warnings(self._scene):
             self._say(f"note: {text}")
 

@@ -81,6 +81,10 @@ class Store:
             _log.warning("%s; the task is computed again", error)
             return None
 
+    def has_finished(self, task: Task) -> bool:
+        """Return whether there is an outcome of a task, whole or not."""
+        return self._finished(task).exists()
+
     def forget_finished(self, task: Task) -> None:
         """Drop the outcome of a task."""
         self._finished(task).unlink(missing_ok=True)

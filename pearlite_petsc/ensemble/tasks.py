@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from pearlite_petsc.errors import SceneError
-from pearlite_petsc.output.tables import task_name
+from pearlite_petsc.output.tables import middle_delta_k, task_name
 from pearlite_petsc.scene import Scene, State
 
 
@@ -53,3 +53,10 @@ def refuse_few_ranks(scene: Scene, ranks: int) -> None:
             f"[ensemble] ranks_per_task = {scene.ensemble.ranks_per_task} is more than the "
             f"{ranks} rank(s) of this run"
         )
+
+
+def wants_fields(scene: Scene, task: Task) -> bool:
+    """Return whether a task's fields are written."""
+    if scene.output.fields == "first":
+        return task.mesh_index == 0 and task.delta_k == middle_delta_k(scene)
+    return scene.output.fields == "all"

@@ -17,6 +17,9 @@ RUN_OUT = "run_out"
 LARGEST = {"delta_k_mpa_sqrt_m": 1e4, "da_dn_m_per_cycle": 1e-3}
 """Beyond these a number is no measurement of fatigue: a lost column, or another unit."""
 
+KEPT = "experiment.csv"
+"""Name of the copy that a result folder keeps."""
+
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 _WORDS = {"yes": True, "true": True, "1": True, "no": False, "false": False, "0": False, "": False}
 _NUMBER = re.compile(r"\+?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")

@@ -133,7 +133,7 @@ class FieldSeries:
 
     def _write(self, state: GrowthState) -> None:
         mesh = state.mesh
-        if mesh is not self._mesh or self._fan is None:
+        if self._fan is None or self._mesh is None or not _same(mesh, self._mesh):
             self._fan, self._mesh = fan(mesh), mesh
             self._write_mesh(mesh, self._fan)
         owner = self._fan.owner
@@ -180,6 +180,14 @@ class FieldSeries:
         full = np.zeros((state.mesh.element_count, 3, 3))
         full[:, :2, :2] = element_stress(state.mesh, state, springs)
         return full.reshape(-1, 9)
+
+
+def _same(mesh: Mesh, other: Mesh) -> bool:
+    """Return whether two meshes are the same: states read from a checkpoint have their own each."""
+    return mesh is other or all(
+        np.array_equal(getattr(mesh, name), getattr(other, name))
+        for name in ("nucleus", "vertices", "interface_elements")
+    )
 
 
 def single(values: FloatArray) -> NDArray[np.float32]:

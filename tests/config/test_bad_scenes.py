@@ -24,10 +24,10 @@ delta_k_th_mpa_sqrt_m = 4.0
 """
 
 
-@pytest.mark.parametrize(
-    "name",
-    "NA nan null None TRUE F 007 1e5 12 0x1F 1_000 inf 2026-11-27 1-2 MAR1 2-mar sept2".split(),
-)
+OTHER_VALUES = "NA nan null None TRUE F 007 1e5 12 0x1F 1_000 inf 2026-11-27 1-2 MAR1 2-mar sept2"
+
+
+@pytest.mark.parametrize("name", OTHER_VALUES.split())
 def test_a_name_that_table_readers_take_for_something_else_is_refused(name: str) -> None:
     said = message(f"[states.{name}]\n{WHOLE_STATE}")
     assert f"[states] {name} is no name for a state: table readers" in said

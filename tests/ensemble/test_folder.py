@@ -1,13 +1,19 @@
 """The output folder: whose it is, and who may write."""
 
+import errno
 import json
 from pathlib import Path
 
 import pytest
 
+from pearlite_petsc.config import scene_hash
 from pearlite_petsc.ensemble import folder as module
 from pearlite_petsc.ensemble.folder import MARK, OutputFolder
+from pearlite_petsc.ensemble.store import Store
+from pearlite_petsc.ensemble.tasks import all_tasks, wants_fields
 from pearlite_petsc.errors import SceneError
+from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.output.experiment import KEPT
 from pearlite_petsc.scene import Scene
 from tests.scenes import default_scene
 
@@ -93,3 +99,77 @@ def test_two_runs_never_work_in_one_folder(tmp_path: Path, monkeypatch: pytest.M
         opened(tmp_path, resume=True)
     first.close()
     assert opened(tmp_path, resume=True)
+
+
+@pytest.mark.parametrize("left", ["", "checkpoint/lock", "checkpoint/run.json.partial"])
+@pytest.mark.parametrize("resume, overwrite", [(False, False), (True, False), (False, True)])
+def test_a_folder_abandoned_at_its_start_is_taken_as_a_new_one(
+    left: str, resume: bool, overwrite: bool, tmp_path: Path
+) -> None:
+    (tmp_path / "checkpoint").mkdir()
+    if left:
+        (tmp_path / left).touch()
+    assert not opened(tmp_path, SCENE, resume, overwrite)
+    assert opened(tmp_path, resume=True)
+
+
+def test_a_disk_that_fills_at_the_start_leaves_a_folder_for_the_next_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*arguments: object, **named: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_text", full)
+        with pytest.raises(SceneError, match="cannot be used as output .No space left"):
+            opened(tmp_path / "out")
+    assert not opened(tmp_path / "out", resume=True)
+
+
+def test_a_start_that_waited_for_the_lock_looks_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another run comes, writes and goes between the first look and the lock."""
+    take = OutputFolder._take_lock
+
+    def late(self: OutputFolder) -> None:
+        with monkeypatch.context() as patch:
+            patch.setattr(OutputFolder, "_take_lock", take)
+            opened(tmp_path, default_scene(microstructure={"seed": 7}))
+        take(self)
+
+    before = default_scene(microstructure={"seed": 7})
+    monkeypatch.setattr(OutputFolder, "_take_lock", late)
+    with pytest.raises(SceneError, match="exists; --resume goes on with it"):
+        opened(tmp_path)
+    monkeypatch.setattr(OutputFolder, "_take_lock", take)
+    assert opened(tmp_path, before, resume=True)
+
+
+@pytest.mark.parametrize("changes", [{"fields": "all"}, {"field_steps": 7}])
+def test_fields_that_a_finished_crack_was_not_asked_for_are_refused(
+    changes: dict[str, object], tmp_path: Path
+) -> None:
+    opened(tmp_path)
+    assert opened(tmp_path, default_scene(output={"fields": "none"}), resume=True)
+    assert opened(tmp_path, SCENE, resume=True)
+    task = next(task for task in all_tasks(SCENE) if wants_fields(default_scene(), task))
+    other = next(task for task in all_tasks(SCENE) if not wants_fields(default_scene(), task))
+    store = Store(tmp_path / "checkpoint", scene_hash(SCENE))
+    for finished in (task, other):
+        outcome = Outcome(finished.state.name, 0, finished.delta_k, StopReason.GROWN)
+        store.write_finished(finished, outcome, "mesh")
+    before = (tmp_path / MARK).read_text()
+    with pytest.raises(SceneError, match=r"\[output\] fields = .* which is finished"):
+        opened(tmp_path, default_scene(output=changes), resume=True)
+    assert (tmp_path / MARK).read_text() == before
+    assert opened(tmp_path, default_scene(output={"fields": "none"}), resume=True)
+    assert opened(tmp_path, default_scene(output=changes), overwrite=True) is False
+
+
+def test_the_folder_keeps_a_copy_of_the_measured_points(tmp_path: Path) -> None:
+    folder = OutputFolder(tmp_path, SCENE, False, False, "state\nä\n")
+    folder.close()
+    assert (tmp_path / KEPT).read_text(encoding="utf-8") == "state\nä\n"
+    opened(tmp_path, resume=True)
+    assert not (tmp_path / KEPT).exists()

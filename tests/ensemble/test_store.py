@@ -14,7 +14,7 @@ from pearlite_petsc.ensemble.store import Store, mesh_hash
 from pearlite_petsc.ensemble.tasks import Task, all_tasks
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.fatigue.outcome import Crack, GrowthState, Outcome, StopReason
-from pearlite_petsc.growth.checkpoint import Checkpoint
+from pearlite_petsc.growth.checkpoint import FORM, Checkpoint
 from pearlite_petsc.growth.prepared import prepare_growth
 from pearlite_petsc.tessellation.mesh import Mesh
 from tests.scenes import default_scene
@@ -136,7 +136,9 @@ def test_a_checkpoint_of_another_form_is_refused(
     with monkeypatch.context() as older:
         older.setattr("pearlite_petsc.ensemble.store.FORM", 1)
         store.write_checkpoint(task, "mesh", checkpoint(3), 0)
-    with pytest.raises(SceneError, match=r"has form 1, this version of the program reads form 4"):
+    with pytest.raises(
+        SceneError, match=f"has form 1, this version of the program reads form {FORM}"
+    ):
         store.read_checkpoint(task, "mesh")
 
 

@@ -15,7 +15,7 @@ from pearlite_petsc.fatigue.outcome import Outcome, StopReason
 from pearlite_petsc.output.draw import Result
 from pearlite_petsc.output.report.elements import folded, table
 from pearlite_petsc.output.report.page import write_report
-from pearlite_petsc.output.results import write_results
+from pearlite_petsc.output.results import read_results, write_results
 from pearlite_petsc.output.tables import write_fcg, write_growth
 from pearlite_petsc.output.xdmf import FieldSeries
 from tests.output import synthetic
@@ -112,6 +112,39 @@ def test_a_folder_without_results_is_bad_input(
     assert report.main([str(folder), "--experiment", str(tmp_path / "none.csv")]) == 2
     assert "none.csv" in capsys.readouterr().err
     assert not (folder / "report.html").exists()
+
+
+def test_results_beside_another_scene_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refused(folder: Path) -> str:
+        assert report.main([str(folder)]) == 2
+        assert not (folder / "report.html").exists()
+        return capsys.readouterr().err
+
+    folder = result_folder(tmp_path / "run")
+    scene = (folder / "scene.resolved.toml").read_text()
+    (folder / "scene.resolved.toml").write_text(scene.replace("\nseed = 1 ", "\nseed = 2 "))
+    assert "[microstructure] seed: 1, now 2): two runs wrote" in refused(folder)
+    (folder / "results.h5").unlink()
+    (folder / "provenance.json").write_text('{"seeds": {"microstructure": 1}}')
+    assert "made with seed 1 (provenance.json), its scene has 2" in refused(folder)
+    (folder / "provenance.json").unlink()
+    (folder / "scene.resolved.toml").write_text(scene.replace("18.0", "19.0"))
+    assert "holds a crack of undeformed at 18 MPa sqrt(m)" in refused(folder)
+    (folder / "scene.resolved.toml").write_text(scene)
+    assert report.main([str(folder)]) == 0
+
+
+def test_measured_points_kept_with_the_results_are_drawn(tmp_path: Path) -> None:
+    folder = result_folder(tmp_path / "run")
+    stored = read_results(folder / "results.h5")
+    points = "state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nkept_steel,12,1e-8\n"
+    write_results(folder / "results.h5", stored.scene_text, stored.outcomes, {}, points)
+    shutil.move(folder, tmp_path / "moved")
+    assert report.main([str(tmp_path / "moved")]) == 0
+    drawn = (tmp_path / "moved" / "figures" / "fcg.svg").read_text(encoding="utf-8")
+    assert "kept_steel" in drawn
 
 
 def test_damaged_fields_cost_their_pictures_only(tmp_path: Path) -> None:
