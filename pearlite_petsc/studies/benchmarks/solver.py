@@ -81,7 +81,7 @@ def measure(sizes: Sequence[float], methods: Sequence[str], most_rounds: int) ->
         with TemporaryDirectory() as folder:
             make = (
                 "import sys; from pathlib import Path; "
-                "from pearlite_petsc.studies.benchmarks.solver_case import write_bodies; "
+                "from pearlite_petsc.studies.benchmarks.solver_bodies import write_bodies; "
                 "write_bodies(Path(sys.argv[1]), float(sys.argv[2]), "
                 "tuple(map(int, sys.argv[3:])))"
             )
