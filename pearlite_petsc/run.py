@@ -5,7 +5,6 @@
 
 import argparse
 import json
-import logging
 import sys
 import traceback
 from collections.abc import Sequence
@@ -111,6 +110,7 @@ def _start(
         channel = Channel.connect()
         screen: Screen = channel or stack.enter_context(display_of_rank())
         if is_first_rank():
+            request.tell = screen.stopping
             screen.stand(Standing("starting MPI and PETSc"))
         ranks = world()
         try:
@@ -135,7 +135,6 @@ def _start(
             # Raised on all ranks alike.
             return _end(channel, screen, ExitStatus.BAD_INPUT, str(error), ranks.rank == 0)
         except BaseException as error:
-            logging.getLogger(__name__).exception("unexpected error")
             status = _end(channel, screen, ExitStatus.BROKEN, _last_words(error, ranks.rank), True)
             if ranks.size > 1:
                 ranks.Abort(ExitStatus.BROKEN)

@@ -8,6 +8,7 @@ from datetime import datetime
 from pathlib import Path
 from resource import RUSAGE_SELF, getrusage
 from time import monotonic
+from types import TracebackType
 from typing import Any, TypeVar
 
 import numpy as np
@@ -236,8 +237,15 @@ class logging_to:  # noqa: N801
         logger.setLevel(logging.INFO)
         logger.addHandler(self._handler)
 
-    def __exit__(self, *exc: object) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         logger = logging.getLogger("pearlite_petsc")
+        if error is not None:
+            logger.error("the run ends with an error", exc_info=error)
         logger.setLevel(self._level)
         logger.removeHandler(self._handler)
         with suppress(OSError):

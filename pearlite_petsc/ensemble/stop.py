@@ -32,12 +32,16 @@ class StopRequest:
     Args:
         seconds: Wall time allowed from ``started`` on, None for no limit.
         started: Start of the run by ``time.monotonic``.
+
+    Attributes:
+        tell: Called by the handler with the name of the first signal.
     """
 
     def __init__(self, seconds: float | None, started: float) -> None:
         self._end = None if seconds is None else started + seconds
         self._signal = 0
         self._before: dict[signal.Signals, Any] = {}
+        self.tell: Callable[[str], object] = lambda name: None
 
     def __enter__(self) -> "StopRequest":
         handler: Callable[[int, FrameType | None], None] = self._remember
@@ -66,4 +70,6 @@ class StopRequest:
         if self._signal and number == signal.SIGINT:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
-        self._signal = self._signal or number
+        if not self._signal:
+            self._signal = number
+            self.tell(signal.Signals(number).name)

@@ -65,6 +65,9 @@ class Channel:
         """Show where the run stands until it is told otherwise."""
         self._send("stand", asdict(standing))
 
+    def stopping(self, signal_name: str) -> None:
+        """The launcher has said so already: the signal came from it."""
+
     def end(self, status: int, text: str = "") -> None:
         """Tell the exit status of the run and what went wrong; nothing is heard after it."""
         self._send("end", {"status": status, "text": text})

@@ -68,6 +68,9 @@ class Screen(Protocol):
     def stand(self, standing: Standing) -> None:
         """Show where the run stands until it is told otherwise."""
 
+    def stopping(self, signal_name: str) -> None:
+        """Say at once that a signal was received; may be called by its handler."""
+
 
 class Display:
     """Lines on a stream; on a terminal a bar below them that is redrawn every second.
@@ -86,10 +89,11 @@ class Display:
     ) -> None:
         self._stream = sys.stdout if stream is None else stream
         self._terminal, self._quiet = terminal, quiet
-        self._started = self._spoke = self._stood = monotonic()
-        self._standing: Standing | None = None
-        self._drawn = False
-        self._lock, self._ended = RLock(), Event()
+        self._started = self._spoke = monotonic()
+        self._standing: tuple[Standing, float] | None = None
+        self._drawn = self._ended = False
+        self._notice = ""
+        self._lock, self._wake = RLock(), Event()
         self._thread = Thread(target=self._keep_alive, daemon=True)
 
     def __enter__(self) -> "Display":
@@ -97,7 +101,8 @@ class Display:
         return self
 
     def __exit__(self, *exc: object) -> None:
-        self._ended.set()
+        self._ended = True
+        self._wake.set()
         self._thread.join()
         with self._lock:
             self._standing = None
@@ -114,7 +119,7 @@ class Display:
     def stand(self, standing: Standing) -> None:
         """Show where the run stands until it is told otherwise."""
         with self._lock:
-            self._standing, self._stood = standing, monotonic()
+            self._standing = standing, monotonic()
             self._draw()
 
     def pass_on(self, text: str, stream: TextIO) -> None:
@@ -125,16 +130,31 @@ class Display:
             self._spoke = monotonic()
             self._draw()
 
+    def stopping(self, signal_name: str) -> None:
+        """Say at once that a signal was received; may be called by its handler.
+
+        The ranks may need some seconds to stop, and Open MPI 5 gives those that it stops half of one.
+        """
+        # Writing is left to the other thread: a handler may have come into the midst of it.
+        self._notice = f"stopping ({signal_name} received); --resume will go on from here"
+        self._wake.set()
+
     def _keep_alive(self) -> None:
-        while not self._ended.wait(REDRAW_SECONDS):
+        while not self._ended:
+            self._wake.wait(REDRAW_SECONDS)
+            self._wake.clear()
             with self._lock:
+                if self._notice:
+                    self._standing = None
+                    self.line(self._notice)
+                    self._notice = ""
                 self._draw()
 
     def _draw(self) -> None:
         if self._standing is None or not self._thread.is_alive():
             return
-        now = monotonic()
-        text = self._standing.text(now - self._stood, now - self._started)
+        now, (standing, since) = monotonic(), self._standing
+        text = standing.text(now - since, now - self._started)
         if self._terminal:
             say(self._stream, f"{_CLEAR}{text[: self._width()]}")
             self._drawn = True

@@ -177,6 +177,8 @@ class Launcher:
             self._pause()
             return
         self._stops += 1
+        if not self._stop:
+            self._display.stopping(signal.Signals(number).name)
         self._stop = self._stop or number
         if self._process is None:
             return

@@ -38,6 +38,9 @@ class Seen:
     def stand(self, standing: Standing) -> None:
         self.standings.append(standing)
 
+    def stopping(self, signal_name: str) -> None:
+        raise AssertionError(signal_name)
+
 
 def shown(path: Path) -> Seen:
     """Return what a run of three looks at the board shows."""

@@ -65,6 +65,7 @@ def test_a_signal_reaches_the_ranks_as_it_is(number: signal.Signals) -> None:
         process.send_signal(number)
         out, err = process.communicate(timeout=20)
     assert out.splitlines() == [
+        f"stopping ({number.name} received); --resume will go on from here",
         f"found ['{number.name}']",
         f"told 130, mpirun 0, signal {int(number)}",
     ]
@@ -93,6 +94,7 @@ def test_a_terminal_shows_a_moving_bar_and_ctrl_c_leaves_a_clean_prompt() -> Non
     assert status == 0
     assert seen.lines() == [
         "ready",
+        "stopping (SIGINT received); --resume will go on from here",
         "found ['SIGINT']",
         "last words",
         "told 130, mpirun 0, signal 2",
