@@ -40,6 +40,7 @@ LAYERS: tuple[set[str], ...] = (
     {"growth"},
     {"output"},
     {"ensemble"},
+    {"face"},
     {"studies"},
     {"command_line"},
     COMMANDS,
@@ -94,6 +95,11 @@ def test_nothing_points_back_or_aside() -> None:
     assert not wrong
 
 
+def test_the_package_offers_the_face_and_loads_none_of_it() -> None:
+    assert not own_modules(imports_at_start(PACKAGE))
+    assert {part(module) for module in own_modules(imports(PACKAGE))} == {"errors", "face"}
+
+
 def test_imports_go_round_in_no_circle() -> None:
     graph = {module: own_modules(imports(module)) - {module} for module in MODULES}
     list(graphlib.TopologicalSorter(graph).static_order())
@@ -120,10 +126,10 @@ def test_physics_knows_no_file_and_no_rank_and_output_no_rank() -> None:
     assert not wrong
 
 
-def test_the_world_communicator_is_named_once_and_only_commands_begin_there() -> None:
+def test_the_world_communicator_is_named_once_and_commands_and_face_begin_there() -> None:
     assert [part(module) for module in MODULES if "COMM_WORLD" in names_used(module)] == ["world"]
     begin = {part(m) for m in MODULES if f"{PACKAGE}.world" in own_modules(imports(m))}
-    assert begin <= COMMANDS
+    assert begin <= COMMANDS | {"face"}
 
 
 def test_libraries_log_instead_of_printing() -> None:
@@ -163,12 +169,17 @@ def test_a_class_has_at_most_15_methods_and_12_attributes() -> None:
     assert large.keys() <= NOT_YET, large
 
 
-@pytest.mark.parametrize(
-    "start", [*sorted(COMMANDS), "__main__", *(f"studies.benchmarks.{n}" for n in SUBCOMMANDS)]
-)
-def test_starting_a_command_loads_neither_mpi_nor_petsc(start: str) -> None:
+STARTS = [
+    *(f"{PACKAGE}.{name}" for name in ("__main__", *sorted(COMMANDS))),
+    *(f"{PACKAGE}.studies.benchmarks.{name}" for name in SUBCOMMANDS),
+    *(module for module in MODULES if part(module) == "face"),
+]
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_starting_a_command_or_the_face_loads_neither_mpi_nor_petsc(start: str) -> None:
     seen: set[str] = set()
-    todo = {f"{PACKAGE}.{start}"}
+    todo = {start}
     while todo:
         module = todo.pop()
         seen.add(module)

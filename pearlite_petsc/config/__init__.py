@@ -5,7 +5,12 @@
 
 from pearlite_petsc.config.checks import estimated_elements
 from pearlite_petsc.config.limits import method_warnings
-from pearlite_petsc.config.read import load_scene, load_scene_text
+from pearlite_petsc.config.read import (
+    load_scene,
+    load_scene_text,
+    scene_from_tables,
+    state_named,
+)
 from pearlite_petsc.config.schema import scene_schema
 from pearlite_petsc.config.write import scene_difference, scene_hash, scene_to_toml
 
@@ -15,7 +20,9 @@ __all__ = [
     "load_scene_text",
     "method_warnings",
     "scene_difference",
+    "scene_from_tables",
     "scene_hash",
     "scene_schema",
     "scene_to_toml",
+    "state_named",
 ]

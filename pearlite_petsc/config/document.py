@@ -107,7 +107,10 @@ def suggestion(word: str, known: tuple[str, ...], elsewhere: dict[str, str]) -> 
         known: Keys that may stand there.
         elsewhere: Table of each key of the other tables.
     """
-    close = get_close_matches(word[:100], known, n=1, cutoff=0.6)
+    # First what differs in upper and lower case only, then names that lack their unit.
+    close = [name for name in known if name.lower() == word.lower()]
+    close += [name for name in known if name.startswith(f"{word}_")]
+    close += get_close_matches(word[:100], known, n=1, cutoff=0.6)
     if close:
         return f"did you mean {close[0]}?"
     if word in elsewhere:

@@ -1,7 +1,7 @@
 """From a scene file to the validated scene."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -66,6 +66,47 @@ def load_scene_text(
         SceneError: As ``load_scene``.
     """
     return _scene(parse_text(text, plain(name)), Path(name).stem, overrides, laws)
+
+
+def scene_from_tables(tables: Mapping[str, Any], name: str, laws: Laws = SHIPPED) -> Scene:
+    """Validate a scene given as nested tables, in the names and units of the file.
+
+    Args:
+        tables: As ``tomllib.load`` returns them; numbers and arrays of numpy count as well.
+        name: Stands for the file in messages.
+        laws: The laws that the scene may choose from.
+
+    Raises:
+        SceneError: As ``load_scene``.
+    """
+    if not isinstance(tables, Mapping):
+        raise SceneError(f"{name}: {show(tables)} is no mapping of tables")
+    return _scene(Document(name, _as_parsed(tables)), name.lower(), (), laws)
+
+
+def state_named(scene: Scene, name: str) -> State:
+    """Return a state of a scene by its name.
+
+    Raises:
+        SceneError: There is none of that name; the message has the nearest one or all of them.
+    """
+    known = {state.name: state for state in scene.states}
+    if name not in known:
+        hint = suggestion(str(name), tuple(known), {})
+        raise SceneError(f"scene {scene.name}: state {plain(str(name))} is unknown, {hint}")
+    return known[name]
+
+
+def _as_parsed(value: Any) -> Any:
+    """Return a value as TOML would have given it."""
+    if isinstance(value, Mapping):
+        return {str(key): _as_parsed(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_as_parsed(item) for item in value]
+    if isinstance(value, PathLike):
+        return str(value)
+    # numpy's scalars and arrays.
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def _scene(document: Document, stem: str, overrides: Iterable[str], laws: Laws) -> Scene:

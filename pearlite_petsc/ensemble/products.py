@@ -19,6 +19,7 @@ from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.launch.display import Screen, Standing
 from pearlite_petsc.output.experiment import Experiment
 from pearlite_petsc.output.provenance import write_provenance
+from pearlite_petsc.output.result_folder import Result
 from pearlite_petsc.output.results import read_results, write_results
 from pearlite_petsc.output.tables import write_fcg, write_growth
 from pearlite_petsc.scene import Scene
@@ -99,7 +100,7 @@ def draw_and_report(
         Whether everything was drawn.
     """
     # Loaded by those who draw, when they draw: it takes as long as a small run.
-    from pearlite_petsc.output.draw import Result, figure_jobs
+    from pearlite_petsc.output.draw import figure_jobs
     from pearlite_petsc.output.report.page import write_report
 
     result: Result | None = None

@@ -5,18 +5,24 @@ Each figure is one independent job, so that a parallel program can share them ou
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.ticker import AutoLocator
 
+from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.errors import PearliteError
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.microstructure.labels import LabelMap, make_label_map
 from pearlite_petsc.microstructure.shear import sheared_angle_cdf
-from pearlite_petsc.output.experiment import MeasuredPoint
-from pearlite_petsc.output.figures.cracks import PathLine, draw_paths, draw_state_path
+from pearlite_petsc.output.figures.cracks import (
+    PathLine,
+    draw_paths,
+    draw_state_path,
+    show_paths,
+)
 from pearlite_petsc.output.figures.film import animate
 from pearlite_petsc.output.figures.growth import draw_growth, draw_tortuosity
 from pearlite_petsc.output.figures.microstructure import (
@@ -28,6 +34,8 @@ from pearlite_petsc.output.figures.microstructure import (
 )
 from pearlite_petsc.output.figures.null_model import draw_null_model
 from pearlite_petsc.output.figures.rates import draw_rates
+from pearlite_petsc.output.figures.style import state_label
+from pearlite_petsc.output.result_folder import Result
 from pearlite_petsc.output.snapshot import Snapshot, read_snapshots
 from pearlite_petsc.output.tables import MPA_SQRT_UM, delta_k_in_mpa_sqrt_m, task_name
 from pearlite_petsc.output.tables import middle_delta_k as middle_delta_k
@@ -37,23 +45,6 @@ _log = logging.getLogger(__name__)
 
 Job = tuple[str, Callable[[], object]]
 """Name of a figure (its file's stem) and what draws it."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Result:
-    """What figures and report are made from.
-
-    Attributes:
-        folder: The result folder.
-        scene: What was computed.
-        outcomes: Every task.
-        measured: User's points.
-    """
-
-    folder: Path
-    scene: Scene
-    outcomes: Sequence[Outcome]
-    measured: Sequence[MeasuredPoint] = ()
 
 
 def figure_jobs(result: Result) -> list[Job]:
@@ -196,6 +187,28 @@ def _state_path(result: Result, state: State) -> None:
     notch = (float(lines[0].path[0, 0]), float(lines[0].path[0, 1]))
     path = result.folder / "figures" / f"path_{state.name}"
     draw_state_path(path, state.name, raster, lines, notch, index, last)
+
+
+def show_path(
+    axes: Any, scene: Scene, state: State, index: int, path: FloatArray, delta_k: float
+) -> None:
+    """Put one crack's path in its microstructure, with the scale, into the axes.
+
+    Args:
+        axes: Where to draw.
+        scene, state, index: The microstructure.
+        path: Vertices [um], the notch's tip first; (p, 2), p >= 1.
+        delta_k: [MPa sqrt(m)].
+    """
+    line = PathLine(f"ΔK = {delta_k:g} MPa√m", path)
+    extent = _view(scene, [line])
+    labels = _label_map(scene, state, index)
+    raster = label_raster(labels.labels, labels.lamella_angle, extent, columns=480)
+    content = show_paths(axes, raster, [line], (float(path[0, 0]), float(path[0, 1])))
+    axes.xaxis.set_major_locator(AutoLocator())
+    axes.yaxis.set_major_locator(AutoLocator())
+    title = f"{state_label(state.name)}, mesh {index}\n{content}"
+    axes.set(xlabel="x [µm]", ylabel="y [µm]", title=title)
 
 
 def _view(scene: Scene, lines: Sequence[PathLine]) -> tuple[float, float, float, float]:

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from pearlite_petsc import run
 from pearlite_petsc.config import load_scene, scene_to_toml
 from pearlite_petsc.output.results import write_results
+
+run = importlib.import_module("pearlite_petsc.run")
 
 RUNS = Path(__file__).parents[2] / "runs"
 PRESET = RUNS / "quickstart.toml"

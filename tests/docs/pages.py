@@ -1,13 +1,14 @@
-"""Shell blocks, links and tables of the documentation.
+"""Shell and Python blocks, links and tables of the documentation.
 
-Every ``sh`` block has a line before it that says how its commands are tested:
+Every ``sh`` and ``python`` block has a line before it that says how it is tested:
 
 ``<!-- test: verbatim -->``         as they stand
 ``<!-- test: quick -->``            runs get fewer and shorter cracks
 ``<!-- test: slow -->``             as they stand, with ``--slow``
 ``<!-- test: not run; reason -->``  not here; few, each with its reason
 
-Blocks of one page run in order, in one folder that holds a copy of ``runs/``.
+Shell blocks of one page run in order, in one folder that holds a copy of ``runs/``; Python blocks
+of one page are one script, which runs in such a folder after the page's runs.
 """
 
 import re
@@ -23,7 +24,7 @@ _MODE = re.compile(r"<!-- test: ([a-z ]+?)(?:; (.+))? -->")
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """One shell block: page, line of its fence, how it is tested, the reason if not, its text."""
+    """One block: page, line of its fence, how it is tested, the reason if not, its text."""
 
     page: str
     line: int
@@ -32,12 +33,12 @@ class Block:
     script: str
 
 
-def blocks(page: Path) -> list[Block]:
-    """Return the shell blocks of a page; a block without a mode has the mode ""."""
+def blocks(page: Path, language: str = "sh") -> list[Block]:
+    """Return the blocks of a page in a language; one without a mode has the mode ""."""
     lines = page.read_text(encoding="utf-8").splitlines()
     found = []
     for number, line in enumerate(lines):
-        if line.strip() != "```sh":
+        if line.strip() != f"```{language}":
             continue
         end = lines.index("```", number + 1)
         mark = _MODE.fullmatch(lines[number - 1].strip()) if number else None

@@ -106,8 +106,8 @@ def geometric_means(table: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_every_shell_block_says_how_it_is_tested(page: Path) -> None:
-    for block in blocks(page):
+def test_every_block_says_how_it_is_tested(page: Path) -> None:
+    for block in [*blocks(page), *blocks(page, "python")]:
         assert block.mode in MODES, f"{block.page}:{block.line} has no <!-- test: ... --> before it"
         assert bool(block.reason) == (block.mode == "not run"), f"{block.page}:{block.line}"
 
@@ -120,6 +120,11 @@ def test_the_commands_of_a_page_work_one_after_the_other(page: Path, tmp_path: P
     folder = checkout(tmp_path)
     for block in chosen:
         follow(block, folder)
+    python = [block.script for block in blocks(page, "python") if block.mode == "verbatim"]
+    if python:
+        (folder / "script.py").write_text("".join(python), encoding="utf-8")
+        follow(Block(page.name, 0, "verbatim", "", "python script.py\n"), folder)
+        follow(Block(page.name, 0, "verbatim", "", "mpirun -n 2 python script.py\n"), folder)
 
 
 @pytest.mark.slow

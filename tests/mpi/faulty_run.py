@@ -1,5 +1,6 @@
 """The run command with a fault built in: ``faulty_run.py FAULT ARGS…``; started by the tests."""
 
+import importlib
 import resource
 import signal
 import sys
@@ -12,7 +13,7 @@ STEPS_BEFORE = 3
 
 def main() -> int:
     # PETSc must be started by the command itself, so the package is imported where it is patched.
-    from pearlite_petsc import run
+    run = importlib.import_module("pearlite_petsc.run")
 
     if FAULT != "none":
         start = run._start

@@ -103,23 +103,39 @@ def draw_state_path(
     height = WIDTH / panels * (top - bottom) / (right - left)
     with drawing(path, WIDTH, height + 0.6, pictures=True) as figure:
         grid = figure.subplots(1, panels, squeeze=False)[0]
-        content = _show_microstructure(grid[0], raster)
-        colours = matplotlib.colormaps["plasma"](np.linspace(0.0, 0.75, max(len(paths), 1)))
-        grid[0].plot([left, notch[0]], [notch[1]] * 2, color=INK, linewidth=3.0)
-        # Wide first, so that paths that agree still show one under the other.
-        widths = np.linspace(4.0 if len(paths) > 1 else 1.6, 1.2, max(len(paths), 1))
-        for colour, width, line in zip(colours, widths, paths, strict=False):
-            grid[0].plot(*line.path.T, color=colour, linewidth=width, label=line.label)
-        grid[0].set(xlim=(left, right), ylim=(bottom, top))
+        content = show_paths(grid[0], raster, paths, notch)
         grid[0].set_title(f"{state_label(state)}: crack paths in mesh {index}")
-        if paths:
-            grid[0].legend(loc="upper left", frameon=True, framealpha=0.85)
         if last is not None:
             show_damage(grid[1], last, deformed=False)
             grid[1].set(xlim=(left, right), ylim=(bottom, top))
             grid[1].set_title(f"damage after {last.cycles:,.0f} cycles")
             colour_bar(figure, grid[1])
         grid[0].set_xlabel(f"{right - left:.0f} µm wide; {content}")
+
+
+def show_paths(
+    axes: Any, raster: LabelRaster, paths: Sequence[PathLine], notch: tuple[float, float]
+) -> str:
+    """Put crack paths in their microstructure into the axes; return what the picture shows of it.
+
+    Args:
+        axes: Where to draw.
+        raster: Labels of the part of the window to show.
+        paths: Cracks of that mesh; colours from dark to light in this order.
+        notch: Tip of the notch [um].
+    """
+    left, right, bottom, top = raster.extent
+    content = _show_microstructure(axes, raster)
+    colours = matplotlib.colormaps["plasma"](np.linspace(0.0, 0.75, max(len(paths), 1)))
+    axes.plot([left, notch[0]], [notch[1]] * 2, color=INK, linewidth=3.0, label="notch")
+    # Wide first, so that paths that agree still show one under the other.
+    widths = np.linspace(4.0 if len(paths) > 1 else 1.6, 1.2, max(len(paths), 1))
+    for colour, width, line in zip(colours, widths, paths, strict=False):
+        axes.plot(*line.path.T, color=colour, linewidth=width, label=line.label)
+    axes.set(xlim=(left, right), ylim=(bottom, top))
+    if paths:
+        axes.legend(loc="upper left", frameon=True, framealpha=0.85)
+    return content
 
 
 def _show_microstructure(axes: Any, raster: LabelRaster) -> str:

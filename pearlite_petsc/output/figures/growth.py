@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -9,8 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
+from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.output.figures.style import (
+    INK,
     WIDTH,
     drawing,
     grid_shape,
@@ -20,7 +23,7 @@ from pearlite_petsc.output.figures.style import (
     state_styles,
 )
 from pearlite_petsc.output.statistics import counts
-from pearlite_petsc.output.tables import MPA_SQRT_UM, delta_k_in_mpa_sqrt_m
+from pearlite_petsc.output.tables import MPA_SQRT_UM, UM_PER_M, delta_k_in_mpa_sqrt_m
 
 
 def draw_growth(path: Path, outcomes: Sequence[Outcome], states: Sequence[str]) -> None:
@@ -63,6 +66,34 @@ def draw_growth(path: Path, outcomes: Sequence[Outcome], states: Sequence[str]) 
         ]
         label_outer(grid, len(states), "cycles N", "crack length a [µm]")
         legend_below(figure, handles, min(max(len(handles), 1), 6))
+
+
+def show_history(
+    axes: Any, cycles: FloatArray, length: FloatArray, label: str, rate: float
+) -> None:
+    """Put one crack's length over its cycles and the straight line of its rate into the axes.
+
+    Args:
+        axes: Where to draw.
+        cycles: N, ascending; (h,).
+        length: Crack length a [um]; (h,).
+        label: Of the crack.
+        rate: da/dN, least-squares slope of the points at which the crack grew [um/cycle]; NaN
+            leaves the line out.
+    """
+    (line,) = axes.step(cycles, length, where="post", label=label)
+    if np.isfinite(rate):
+        grown = np.concatenate([[True], np.diff(length) > 0.0])
+        middle = cycles[grown].mean(), length[grown].mean()
+        axes.plot(cycles[grown], length[grown], "o", color=line.get_color(), markersize=3.0)
+        ends = cycles[[0, -1]]
+        text = f"da/dN = {rate / UM_PER_M:.3g} m/cycle"
+        axes.plot(ends, middle[1] + rate * (ends - middle[0]), "--", color=INK, lw=0.9, label=text)
+    axes.set(xlabel="cycles N", ylabel="crack length a [µm]")
+    axes.ticklabel_format(axis="x", style="sci", scilimits=(-3, 4), useMathText=True)
+    axes.set_xlim(left=0.0)
+    axes.grid(True)
+    axes.legend(loc="upper left")
 
 
 def draw_tortuosity(path: Path, outcomes: Sequence[Outcome], states: Sequence[str]) -> None:

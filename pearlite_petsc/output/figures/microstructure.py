@@ -178,21 +178,56 @@ def draw_mesh(path: Path, meshes: Mapping[str, tuple[FloatArray, IntArray]]) -> 
         for axes in grid.flat[len(meshes) :]:
             axes.axis("off")
         for axes, (title, (segments, kind)) in zip(grid.flat, meshes.items(), strict=False):
-            for value, colour in KIND_COLOURS.items():
-                width = 1.4 if value is Kind.NOTCH else 0.35
-                lines = LineCollection(
-                    list(segments[kind == value]), colors=colour, linewidths=width, rasterized=True
-                )
-                axes.add_collection(lines)
-            axes.autoscale_view()
-            axes.margins(0.0)
-            axes.set(aspect="equal", title=state_label(title), xticks=[], yticks=[])
-            _frame(axes)
-        handles = [
-            Patch(color=colour, label=kind.name.lower().replace("_", " "))
-            for kind, colour in KIND_COLOURS.items()
-        ]
+            show_kinds(axes, segments, kind)
+            axes.set(title=state_label(title), xticks=[], yticks=[])
+        handles = _kind_handles()
         legend_below(figure, handles, len(handles))
+
+
+def show_kinds(axes: Any, segments: FloatArray, kind: IntArray, width: float = 0.35) -> None:
+    """Put the interfaces of a mesh into the axes, coloured by kind.
+
+    Args:
+        axes: Where to draw.
+        segments: End points [um]; (k, 2, 2).
+        kind: Values of ``scene.Kind``; (k,).
+        width: Of the lines [points].
+    """
+    for value, colour in KIND_COLOURS.items():
+        own = 4.0 * width if value is Kind.NOTCH else width
+        lines = list(segments[kind == value])
+        axes.add_collection(LineCollection(lines, colors=colour, linewidths=own, rasterized=True))
+    axes.autoscale_view()
+    axes.margins(0.0)
+    axes.set_aspect("equal")
+    _frame(axes)
+
+
+def show_mesh(axes: Any, segments: FloatArray, kind: IntArray) -> None:
+    """Put one mesh with its scale and the legend of the kinds into the axes.
+
+    Args:
+        axes: Where to draw.
+        segments: End points of the interfaces [um]; (k, 2, 2).
+        kind: Values of ``scene.Kind``; (k,).
+    """
+    show_kinds(axes, segments, kind, width=0.6)
+    axes.set(xlabel="x [µm]", ylabel="y [µm]")
+    axes.legend(
+        handles=_kind_handles(),
+        loc="upper right",
+        frameon=True,
+        framealpha=0.9,
+        fontsize=6.5,
+        handlelength=1.0,
+    )
+
+
+def _kind_handles() -> list[Patch]:
+    return [
+        Patch(color=colour, label=kind.name.lower().replace("_", " "))
+        for kind, colour in KIND_COLOURS.items()
+    ]
 
 
 def draw_lamella_angles(

@@ -57,35 +57,87 @@ def draw_rates(
         measured: User's points; states that the scene does not have are drawn grey.
     """
     panels = _panels(states)
-    styles = state_styles([state.name for state in states])
-    curves = {curve.state: curve for curve in rate_curves(outcomes, list(styles))}
     with drawing(path, 3.7 * max(len(panels), 1.5), 4.9) as figure:
         grid = figure.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)[0]
         for axes, (title, names) in zip(grid, panels, strict=True):
-            axes.set(xscale="log", yscale="log", xlabel=DELTA_K_LABEL, title=title)
-            for place, name in enumerate(names):
-                if name in curves:
-                    shift = 1.0 + 0.012 * (place - 0.5 * (len(names) - 1))
-                    _curve(axes, curves[name], styles[name], shift)
-                    _single(axes, outcomes, name, styles[name], shift)
-                    _arrested(axes, outcomes, name, styles[name], shift)
-            _thresholds(axes, [state for state in states if state.name in names], styles)
-            _measured(axes, measured, styles, names)
-        low, high = _range(outcomes, states, measured)
-        for axes in grid:
-            axes.set_xlim(low, high)
-            _literature(axes, low, high)
-            plain_ticks(axes)
-            axes.grid(True)
-        if any(_stopped(o) for o in outcomes):
-            # Room for the marks at the axis below the slowest crack.
-            bottom, top = grid[0].get_ylim()
-            grid[0].set_ylim(bottom * (bottom / top) ** 0.05, top)
-        grid[0].set_ylabel(RATE_LABEL)
-        handles = {label: handle for axes in grid for handle, label in _legend(axes)}
-        first = [style.label for style in styles.values() if style.label in handles]
-        handles = {label: handles[label] for label in [*first, *handles]}
-        legend_below(figure, list(handles.values()), 3 if len(panels) > 1 else 2)
+            axes.set_title(title)
+            _fill(axes, outcomes, states, names, measured)
+        _finish(grid, outcomes, states, measured)
+        legend_below(figure, _handles(grid, states), 3 if len(panels) > 1 else 2)
+
+
+def show_rates(
+    axes: Any,
+    outcomes: Sequence[Outcome],
+    states: Sequence[State],
+    measured: Sequence[MeasuredPoint] = (),
+    room_below: bool = False,
+) -> None:
+    """Put da/dN over Delta-K of all states into one picture; marks as in ``draw_rates``.
+
+    Args:
+        axes: Where to draw.
+        outcomes: Tasks of one scene.
+        states: The scene's states in order.
+        measured: User's points.
+        room_below: Whether there is room below the axes; else the legend lies where data leave it.
+    """
+    _fill(axes, outcomes, states, [state.name for state in states], measured)
+    _finish([axes], outcomes, states, measured)
+    handles = _handles([axes], states)
+    if room_below:
+        axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)
+    else:
+        axes.legend(handles=handles, loc="best", fontsize=6.0, frameon=True, framealpha=0.9)
+
+
+def _fill(
+    axes: Any,
+    outcomes: Sequence[Outcome],
+    states: Sequence[State],
+    names: Sequence[str],
+    measured: Sequence[MeasuredPoint],
+) -> None:
+    """Put some of the states into a panel."""
+    styles = state_styles([state.name for state in states])
+    curves = {curve.state: curve for curve in rate_curves(outcomes, list(styles))}
+    axes.set(xscale="log", yscale="log", xlabel=DELTA_K_LABEL)
+    for place, name in enumerate(names):
+        if name in curves:
+            shift = 1.0 + 0.012 * (place - 0.5 * (len(names) - 1))
+            _curve(axes, curves[name], styles[name], shift)
+            _single(axes, outcomes, name, styles[name], shift)
+            _arrested(axes, outcomes, name, styles[name], shift)
+    _thresholds(axes, [state for state in states if state.name in names], styles)
+    _measured(axes, measured, styles, names)
+
+
+def _finish(
+    panels: Sequence[Any],
+    outcomes: Sequence[Outcome],
+    states: Sequence[State],
+    measured: Sequence[MeasuredPoint],
+) -> None:
+    """Give panels that share their axes limits, literature, ticks and names."""
+    low, high = _range(outcomes, states, measured)
+    for axes in panels:
+        axes.set_xlim(low, high)
+        _literature(axes, low, high)
+        plain_ticks(axes)
+        axes.grid(True)
+    if any(_stopped(o) for o in outcomes):
+        # Room for the marks at the axis below the slowest crack.
+        bottom, top = panels[0].get_ylim()
+        panels[0].set_ylim(bottom * (bottom / top) ** 0.05, top)
+    panels[0].set_ylabel(RATE_LABEL)
+
+
+def _handles(panels: Sequence[Any], states: Sequence[State]) -> list[Any]:
+    """Return what a legend of the panels shows: states first, each label once."""
+    handles = {label: handle for axes in panels for handle, label in _legend(axes)}
+    styles = state_styles([state.name for state in states])
+    first = [style.label for style in styles.values() if style.label in handles]
+    return [handles[label] for label in dict.fromkeys([*first, *handles])]
 
 
 def _panels(states: Sequence[State]) -> list[tuple[str, list[str]]]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
@@ -106,6 +107,23 @@ def drawing(
         figure.draw_without_rendering()
         figure.set_layout_engine("none")
         _write(figure, path, figure.get_tightbbox().padded(0.04) if pictures else None)
+
+
+@contextmanager
+def on_axes(axes: Axes | None, width: float = 4.8, height: float = 4.2) -> Iterator[Axes]:
+    """Yield axes to draw on in the common look: the user's, or those of a new figure.
+
+    Args:
+        axes: The user's, or None.
+        width, height: Of a new figure [inch].
+    """
+    # Here, because pyplot chooses a window system, which nothing that only writes files needs.
+    from matplotlib import pyplot
+
+    with matplotlib.rc_context(_RC):
+        if axes is None:
+            _, axes = pyplot.subplots(figsize=(width, height), dpi=110, layout="constrained")
+        yield axes
 
 
 def _write(figure: Figure, path: Path, cut: Bbox | None) -> None:

@@ -8,7 +8,6 @@ from typing import Any
 
 from pearlite_petsc.config import method_warnings
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
-from pearlite_petsc.output.draw import Result
 from pearlite_petsc.output.figures.style import state_label
 from pearlite_petsc.output.report.conclusions import conclusions
 from pearlite_petsc.output.report.elements import (
@@ -21,6 +20,7 @@ from pearlite_petsc.output.report.elements import (
     table,
 )
 from pearlite_petsc.output.report.validity import task_warnings, validity_warnings, zone_rows
+from pearlite_petsc.output.result_folder import Result
 from pearlite_petsc.output.statistics import rate_curves
 from pearlite_petsc.output.tables import UM_PER_M, delta_k_in_mpa_sqrt_m, in_order
 from pearlite_petsc.output.whole_file import whole_file

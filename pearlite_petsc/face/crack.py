@@ -1,0 +1,140 @@
+"""One crack with its history and path, grown here or read from a run."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pearlite_petsc import config
+from pearlite_petsc.errors import PearliteError
+from pearlite_petsc.face.scene import Scene
+from pearlite_petsc.face.table import Table
+from pearlite_petsc.fatigue.outcome import Outcome
+from pearlite_petsc.output.tables import UM_PER_M, delta_k_in_mpa_sqrt_m
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Crack:
+    """What the growth of one crack gave.
+
+    Attributes:
+        scene: The scene.
+        state: Name of the state.
+        index: Number of the mesh.
+        delta_k_mpa_sqrt_m: Range of the stress intensity factor [MPa sqrt(m)].
+        stop_reason: Why it ended: "grown" (the wanted extension), "arrested", "boundary" (of the
+            window), "max_solves", "left_refined_zone", "failed"; "stopped" where the steps of a
+            ``Growth`` were not taken to the end.
+        da_dn_m_per_cycle: Least-squares slope of the crack length over the cycles at which it
+            grew [m/cycle]; NaN where nothing grew or the crack arrested.
+        cycles: N at the end.
+        extension_um: Growth along x [um].
+        tortuosity: Length of the path over the extension; NaN where that is below one colony.
+        history: One row a break: ``cycles``, ``crack_length_um`` (with the notch),
+            ``path_length_um``, ``broken_interfaces``.
+        path: Vertices of the path from the notch to the tip: ``x_um``, ``y_um``.
+        solves: Linear solves.
+        wall_s: Wall time [s].
+        message: Of the error of a failed crack, else empty.
+    """
+
+    scene: Scene
+    state: str
+    index: int
+    delta_k_mpa_sqrt_m: float
+    stop_reason: str
+    da_dn_m_per_cycle: float
+    cycles: float
+    extension_um: float
+    tortuosity: float
+    history: Table
+    path: Table
+    solves: int
+    wall_s: float
+    message: str
+
+    @classmethod
+    def _of(cls, scene: Scene, outcome: Outcome, finished: bool = True) -> "Crack":
+        history = np.empty((0, 4)) if outcome.history is None else outcome.history
+        path = np.empty((0, 2)) if outcome.path is None else outcome.path
+        return cls(
+            scene=scene,
+            state=outcome.state,
+            index=outcome.mesh_index,
+            delta_k_mpa_sqrt_m=delta_k_in_mpa_sqrt_m(outcome.delta_k),
+            stop_reason=outcome.stop_reason.value if finished else "stopped",
+            da_dn_m_per_cycle=float(outcome.da_dn) / UM_PER_M,
+            cycles=float(outcome.cycles),
+            extension_um=float(outcome.extension),
+            tortuosity=np.nan if outcome.tortuosity is None else float(outcome.tortuosity),
+            history=Table(
+                {
+                    "cycles": history[:, 0],
+                    "crack_length_um": history[:, 1],
+                    "path_length_um": history[:, 2],
+                    "broken_interfaces": history[:, 3].astype(np.int64),
+                }
+            ),
+            path=Table({"x_um": path[:, 0], "y_um": path[:, 1]}),
+            solves=outcome.solves,
+            wall_s=float(outcome.wall_s),
+            message=outcome.message,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the history with the crack's name in every row, as ``pandas.DataFrame`` takes it.
+
+        Tables of several cracks can be put below one another.
+        """
+        rows = len(self.history)
+        return {
+            "state": np.repeat(self.state, rows),
+            "mesh": np.repeat(self.index, rows),
+            "delta_k_mpa_sqrt_m": np.repeat(self.delta_k_mpa_sqrt_m, rows),
+            **self.history.to_dict(),
+        }
+
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draw the crack's path in its microstructure; return the axes.
+
+        Args:
+            ax: Where to draw; a new figure's if None.
+
+        Raises:
+            PearliteError: There is no path: the crack failed, or was read from tables alone.
+        """
+        from pearlite_petsc.output.draw import show_path
+        from pearlite_petsc.output.figures.style import on_axes
+
+        if not len(self.path):
+            raise PearliteError(f"{self!r} has no path to draw")
+        program = self.scene._program
+        state = config.state_named(program, self.state)
+        path = np.column_stack([self.path.x_um, self.path.y_um])
+        with on_axes(ax) as axes:
+            show_path(axes, program, state, self.index, path, self.delta_k_mpa_sqrt_m)
+        return axes
+
+    def plot_history(self, ax: "Axes | None" = None) -> "Axes":
+        """Draw the crack length over the cycles and the line whose slope is da/dN; return the axes.
+
+        Args:
+            ax: Where to draw; a new figure's if None.
+        """
+        from pearlite_petsc.output.figures.growth import show_history
+        from pearlite_petsc.output.figures.style import on_axes, state_label
+
+        name = f"{state_label(self.state)}, mesh {self.index}"
+        label = f"{name}, ΔK = {self.delta_k_mpa_sqrt_m:g} MPa√m"
+        rate = self.da_dn_m_per_cycle * UM_PER_M
+        with on_axes(ax) as axes:
+            show_history(axes, self.history.cycles, self.history.crack_length_um, label, rate)
+        return axes
+
+    def __repr__(self) -> str:
+        name = f"{self.state} {self.index} at {self.delta_k_mpa_sqrt_m:g} MPa sqrt(m)"
+        what = f"{self.stop_reason}, {self.extension_um:.1f} um in {self.cycles:,.0f} cycles"
+        return f"<Crack {name}: {what}, {self.da_dn_m_per_cycle:.3g} m/cycle>"

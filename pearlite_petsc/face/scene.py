@@ -1,0 +1,152 @@
+"""Scenes in the names and units of their files."""
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from types import MappingProxyType
+from typing import Any
+
+from pearlite_petsc import config
+from pearlite_petsc.scene import Scene as ProgramScene
+
+
+class Scene(Mapping[str, Any]):
+    """What to compute, in the names and units of a scene file (TOML); it cannot be changed.
+
+    What is left out takes the quickstart's value. A scene reads like the file:
+    ``scene["loading"]["load_ratio"]``.
+
+    Args:
+        name: Of the scene and its output folder; "scene" if left out.
+        tables: Tables of the file by name, each a mapping: ``loading={"load_ratio": 0.5}``.
+
+    Raises:
+        PearliteError: A table, key or value cannot be used; the message names it, its limits and
+            the nearest known name.
+
+    >>> scene = Scene(loading={"delta_k_mpa_sqrt_m": [12.0, 18.0]}, ensemble={"meshes": 2})
+    >>> scene
+    <Scene scene: 5 states x 2 meshes x 2 Delta-K = 20 cracks, window 200 x 200 um>
+    >>> scene["loading"]["load_ratio"]
+    0.1
+    >>> scene.states["severe_AT"]["yield_stress_mpa"]
+    1024.0
+    """
+
+    __slots__ = ("_program", "_tables")
+
+    def __init__(self, name: str = "scene", **tables: Any) -> None:
+        self._set(config.scene_from_tables({"name": name, **tables}, "Scene"))
+
+    @classmethod
+    def from_dict(cls, tables: Mapping[str, Any]) -> "Scene":
+        """Return the scene of nested tables, such as ``tomllib.load`` returns.
+
+        Raises:
+            PearliteError: As the class.
+
+        >>> Scene.from_dict({"states": {"undeformed": {}}}).states.keys()
+        dict_keys(['undeformed'])
+        """
+        return cls._of(config.scene_from_tables(tables, "Scene"))
+
+    @classmethod
+    def _of(cls, program: ProgramScene) -> "Scene":
+        scene = cls.__new__(cls)
+        scene._set(program)
+        return scene
+
+    def _set(self, program: ProgramScene) -> None:
+        self._program = program
+        self._tables = _frozen(tomllib.loads(config.scene_to_toml(program)))
+
+    @property
+    def name(self) -> str:
+        """Name of the scene and its output folder."""
+        return self._program.name
+
+    @property
+    def states(self) -> Mapping[str, Mapping[str, Any]]:
+        """Keys of each state by its name; iterating gives the names."""
+        states: Mapping[str, Mapping[str, Any]] = self._tables["states"]
+        return states
+
+    def replace(self, **changes: Any) -> "Scene":
+        """Return a scene with some keys changed and all others kept.
+
+        Args:
+            changes: Tables by name with the keys to change; ``name="other"``; ``states`` may also
+                be a list of names, which keeps only those states.
+
+        Raises:
+            PearliteError: As the class.
+
+        >>> base = Scene()
+        >>> seeds = [base.replace(microstructure={"seed": seed}) for seed in (1, 2)]
+        >>> base.replace(states=["severe_AT"], loading={"load_ratio": 0.5}).states.keys()
+        dict_keys(['severe_AT'])
+        """
+        tables = self.to_dict()
+        for name, change in changes.items():
+            if name == "states" and isinstance(change, list | tuple):
+                kept = [config.state_named(self._program, one).name for one in change]
+                tables["states"] = {one: tables["states"][one] for one in kept}
+            else:
+                tables[name] = _merged(tables.get(name), change)
+        return type(self).from_dict(tables)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all tables as plain dictionaries; ``Scene.from_dict`` takes them back."""
+        return tomllib.loads(self.to_toml())
+
+    def to_toml(self) -> str:
+        """Return the text of a scene file with every key, which ``load_scene`` reads back."""
+        return config.scene_to_toml(self._program)
+
+    def __getitem__(self, table: str) -> Any:
+        return self._tables[table]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._tables)
+
+    def __len__(self) -> int:
+        return len(self._tables)
+
+    def __eq__(self, other: object) -> bool:
+        return self._program == other._program if isinstance(other, Scene) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._program)
+
+    def __repr__(self) -> str:
+        scene = self._program
+        counts = len(scene.states), scene.ensemble.meshes, len(scene.loading.delta_k)
+        nouns = ("state", "states"), ("mesh", "meshes"), ("Delta-K", "Delta-K")
+        factors = " x ".join(
+            f"{count} {noun[count != 1]}" for count, noun in zip(counts, nouns, strict=True)
+        )
+        total = counts[0] * counts[1] * counts[2]
+        size = f"{scene.window.width:g} x {scene.window.height:g} um"
+        cracks = f"{total:,} crack{'' if total == 1 else 's'}"
+        return f"<Scene {scene.name}: {factors} = {cracks}, window {size}>"
+
+
+def load_scene(path: str | PathLike[str]) -> Scene:
+    """Read a scene file (TOML).
+
+    Raises:
+        PearliteError: Something in it cannot be used; one line with file, table, key and limit.
+    """
+    return Scene._of(config.load_scene(path))
+
+
+def _merged(old: Any, change: Any) -> Any:
+    if isinstance(old, dict) and isinstance(change, Mapping):
+        return old | {key: _merged(old.get(key), value) for key, value in change.items()}
+    return change
+
+
+def _frozen(value: Any) -> Any:
+    if isinstance(value, dict):
+        return MappingProxyType({key: _frozen(item) for key, item in value.items()})
+    return tuple(value) if isinstance(value, list) else value
