@@ -6,17 +6,13 @@ from dataclasses import dataclass
 from mpi4py import MPI
 
 from pearlite_petsc.arrays import FloatArray
-from pearlite_petsc.errors import SolverError
 from pearlite_petsc.scene import Solver
 from pearlite_petsc.solver.closing import Closing
 from pearlite_petsc.solver.factors import Factors
-from pearlite_petsc.solver.preconditioner import Preconditioner, PreconditionerMaker
+from pearlite_petsc.solver.preconditioner import PreconditionerMaker
 from pearlite_petsc.solver.reuse import ReusePolicy, setup_cost
 from pearlite_petsc.solver.subdomain import Subdomain
 from pearlite_petsc.solver.system import LinearSystem
-
-RESIDUAL_LIMIT = 1e-6
-"""Largest relative residual that a direct solver may leave."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,11 +78,6 @@ class Equilibrium(Closing):
         self._now.close()
         self.system.close()
 
-    @property
-    def subdomain(self) -> Subdomain:
-        """This rank's subdomain."""
-        return self.system.subdomain
-
     def update(self, damage: FloatArray) -> None:
         """Take the damage of the subdomain's interfaces, from now on read-only; shape (k,)."""
         self.system.update(damage)
@@ -111,7 +102,7 @@ class Equilibrium(Closing):
         if self._maker.method == "direct":
             if not self._now.is_current():
                 self.renew()
-            self._solve_direct(self._now)
+            self._now.solve_exactly()
         else:
             self._solve_iterative()
         return self.system.unknowns()
@@ -122,7 +113,8 @@ class Equilibrium(Closing):
 
     def renew(self) -> None:
         """Make the preconditioner anew, for the damage of now. Collective."""
-        self._take_up(self._maker.main(self.policy.is_finer))
+        self._release()
+        self._now = self._maker.main(self.policy.is_finer)
         self.policy = self.policy.renewed()
 
     def restart(self) -> None:
@@ -136,7 +128,8 @@ class Equilibrium(Closing):
         self.system.x.set(0.0)
         self.counters.clear()
         self.counters["setups"] = 1
-        self._take_up(self._first)
+        self._release()
+        self._now = self._first
         self.policy = ReusePolicy(self.policy.setup_cost)
 
     def state(self) -> EquilibriumState:
@@ -147,7 +140,8 @@ class Equilibrium(Closing):
         """Go on from a state: the preconditioner of then, and the solution to start from."""
         damage = self.system.damage
         self.update(state.set_up_damage)
-        self._take_up(self._maker.main(state.policy.is_finer))
+        self._release()
+        self._now = self._maker.main(state.policy.is_finer)
         self.update(damage)
         self.system.start_from(state.solution)
         self.policy = state.policy
@@ -182,15 +176,13 @@ class Equilibrium(Closing):
         self._factors = self._factors or self._maker.factors()
         return self._factors
 
-    def _take_up(self, preconditioner: Preconditioner) -> None:
-        """Solve with another preconditioner from now on."""
-        first = self._first
-        if first is None or self._now.number != first.number:
+    def _release(self) -> None:
+        """Let go of the preconditioner before another one takes its place and memory."""
+        if self._first is None or self._now.number != self._first.number:
             self._now.close()
-        elif first.factors is not None:
+        elif self._first.factors is not None:
             # What has softened since is not what softens in the next crack.
-            first.factors.woodbury = None
-        self._now = preconditioner
+            self._first.factors.woodbury = None
 
     def _solve_iterative(self) -> None:
         if self.policy.is_worn:
@@ -200,17 +192,17 @@ class Equilibrium(Closing):
         in_vain, converged = self._try_half_cycle()
         if converged:
             return
-        iterations, reason = self._run(self._now)
+        iterations, reason = self._now.solve()
         if reason < 0 and not self._now.is_current():
             self.counters["refreshed"] += 1
             self.renew()
             self.system.start_from(start)
-            iterations, reason = self._run(self._now)
+            iterations, reason = self._now.solve()
         if reason < 0:
             self.counters["direct"] += 1
             self.policy = self.policy.after_direct_solve()
             with self._maker.fallback() as fallback:
-                self._solve_direct(fallback)
+                fallback.solve_exactly()
             return
         # Factors solve at once what they were made for, which is no measure of what follows.
         measures = (
@@ -226,21 +218,5 @@ class Equilibrium(Closing):
         if not self.policy.takes_half_cycle or self._now.half_cycle is None:
             return 0, False
         iterations, converged = self._now.solve_by_half_cycle()
-        self.counters["iterations"] += iterations
-        self.counters["upward" if converged else "symmetric_again"] += 1
         self.policy = self.policy.after_half_cycle(iterations, converged)
         return iterations, converged
-
-    def _solve_direct(self, solver: Preconditioner) -> None:
-        _, reason = self._run(solver)
-        relative = self.system.relative_residual()
-        if reason < 0 or not relative < RESIDUAL_LIMIT:
-            raise SolverError(
-                f"direct solver: reason {reason}, relative residual {relative:.1e} against "
-                f"{RESIDUAL_LIMIT:g}"
-            )
-
-    def _run(self, solver: Preconditioner) -> tuple[int, int]:
-        iterations, reason = solver.solve()
-        self.counters["iterations"] += iterations
-        return iterations, reason

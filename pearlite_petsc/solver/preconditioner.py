@@ -25,6 +25,9 @@ from pearlite_petsc.solver.petsc import PETSc
 from pearlite_petsc.solver.system import LinearSystem
 from pearlite_petsc.solver.woodbury import corrected
 
+RESIDUAL_LIMIT = 1e-6
+"""Largest relative residual that a direct solver may leave."""
+
 
 class Preconditioner(Closing):
     """A solver set up for one damage, which also solves at later ones. Collective; close it.
@@ -40,6 +43,7 @@ class Preconditioner(Closing):
         system: The equations; of the damage that it was made for.
         ksp: The solver; closed with this.
         tolerance: Relative one of the solves to come.
+        counters: Receives iterations, upward and symmetric_again, as ``Equilibrium`` says.
         is_factors: Whether the preconditioner consists of factors on one rank.
     """
 
@@ -49,10 +53,11 @@ class Preconditioner(Closing):
         system: LinearSystem,
         ksp: PETSc.KSP,
         tolerance: float,
-        is_factors: bool = False,
+        counters: Counter[str],
+        is_factors: bool,
     ) -> None:
         self.number, self.damage = number, system.damage
-        self._system, self._ksp = system, ksp
+        self._system, self._ksp, self._counters = system, ksp, counters
         self.factors: Factors | None = None
         if is_factors:
             pc = ksp.getPC()
@@ -89,7 +94,22 @@ class Preconditioner(Closing):
         correction = None if woodbury is None else woodbury.correction(system.damage)
         with corrected(ksp, correction), stage("solve"):
             ksp.solve(system.b, system.x)
+        self._counters["iterations"] += ksp.getIterationNumber()
         return int(ksp.getIterationNumber()), int(ksp.getConvergedReason())
+
+    def solve_exactly(self) -> None:
+        """Solve with the factors of the matrix as it is. Collective.
+
+        Raises:
+            SolverError: The residual is above ``RESIDUAL_LIMIT``.
+        """
+        _, reason = self.solve()
+        relative = self._system.relative_residual()
+        if reason < 0 or not relative < RESIDUAL_LIMIT:
+            raise SolverError(
+                f"direct solver: reason {reason}, relative residual {relative:.1e} against "
+                f"{RESIDUAL_LIMIT:g}"
+            )
 
     def solve_by_half_cycle(self) -> tuple[int, bool]:
         """Solve from the last solution; return iterations and whether it converged. Collective.
@@ -98,7 +118,10 @@ class Preconditioner(Closing):
         """
         assert self.half_cycle is not None
         with stage("solve"):
-            return self.half_cycle.solve(self._system.b, self._system.x)
+            iterations, converged = self.half_cycle.solve(self._system.b, self._system.x)
+        self._counters["iterations"] += iterations
+        self._counters["upward" if converged else "symmetric_again"] += 1
+        return iterations, converged
 
 
 class PreconditionerMaker:
@@ -110,8 +133,7 @@ class PreconditionerMaker:
     Args:
         system: The equations.
         settings: Method and tolerance.
-        counters: Receives setups, finer (set-ups that coarsen less) and multigrid (instead of
-            factors that failed).
+        counters: Of ``Equilibrium``.
     """
 
     def __init__(self, system: LinearSystem, settings: Solver, counters: Counter[str]) -> None:
@@ -169,4 +191,4 @@ class PreconditionerMaker:
         is_cholesky = ksp.getPC().getType() == PETSc.PC.Type.CHOLESKY
         self._made += 1
         alone = factors and is_cholesky and system.comm.size == 1
-        return Preconditioner(self._made, system, ksp, self._tolerance, alone)
+        return Preconditioner(self._made, system, ksp, self._tolerance, self._counters, alone)

@@ -58,13 +58,17 @@ def options(**given: str) -> Iterator[None]:
 
 def forces(mesh: Mesh, equilibrium: Equilibrium) -> FloatArray:
     """Return (F_x, F_y, M) of the pull on the boundary."""
-    return statics.load_vector(mesh, PULL) * [1.0, 1.0, equilibrium.subdomain.rotation_length]
+    return statics.load_vector(mesh, PULL) * [
+        1.0,
+        1.0,
+        equilibrium.system.subdomain.rotation_length,
+    ]
 
 
 def tractions(equilibrium: Equilibrium, load: FloatArray) -> FloatArray:
     """Return normal and tangential traction of each interface, as if intact."""
     jump = equilibrium.jumps(equilibrium.solve(load))
-    springs = equilibrium.subdomain.stiffness
+    springs = equilibrium.system.subdomain.stiffness
     return np.stack([springs.k_n * jump[:, 0], springs.k_t * jump[:, 1]], axis=1)
 
 

@@ -94,8 +94,10 @@ def test_half_a_cycle_that_stalls_gives_way_early_and_for_the_rest_of_the_hierar
         assert equilibrium.counters["symmetric_again"] == 1
         assert not {"upward", "refreshed", "direct"} & {*equilibrium.counters}
         load = forces(RANDOM, equilibrium)
-        equilibrium.system.x.set(0.0)
-        iterations, converged = equilibrium._now.solve_by_half_cycle()
+        system, half_cycle = equilibrium.system, equilibrium._now.half_cycle
+        assert half_cycle is not None
+        system.x.set(0.0)
+        iterations, converged = half_cycle.solve(system.b, system.x)
         assert not converged and iterations < MOST_HALF_CYCLES
         found = tractions(equilibrium, -load)
         assert equilibrium.counters["symmetric_again"] == 1
