@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Literal
 
+from pearlite_petsc.laws.cycle_jump import CycleJumpLaw
 from pearlite_petsc.laws.damage import DamageLaw
+from pearlite_petsc.laws.springs import SpringLaw
 
-Springs = Literal["homogeneous", "matched", "raje"]
 Orientation = Literal["AT", "TA"]
 DrivingStress = Literal["effective", "nominal"]
 Threshold = Literal["tip", "remote"]
 LoadKind = Literal["k_field", "edge_crack"]
 LoadControl = Literal["K", "stress"]
-CycleJumpName = Literal["compliance", "exponential", "euler", "heun", "adaptive"]
 Shear = Literal["remesh", "affine"]
 Kinds = Literal["labels", "cut"]
 
@@ -78,7 +78,7 @@ class Material:
 
     youngs_modulus: float
     poisson_ratio: float
-    springs: Springs
+    springs: SpringLaw
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +121,7 @@ class Loading:
 class CycleJump:
     """Jump in cycles: method, largest damage increment a block, tolerance of "adaptive"."""
 
-    method: CycleJumpName
+    method: CycleJumpLaw
     delta_d: float
     tolerance: float
 

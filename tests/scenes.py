@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from pearlite_petsc.config import load_scene_text
+from pearlite_petsc.config.shipped import SHIPPED
 from pearlite_petsc.scene import Scene
 
 PINNED = (
@@ -26,9 +27,17 @@ def default_scene(**changes: Any) -> Scene:
     """Return a small scene of the five states; a change is a whole part, or a dict of one part's fields."""
     scene = load_scene_text("", "test", PINNED)
     for name, value in changes.items():
-        part = replace(getattr(scene, name), **value) if isinstance(value, dict) else value
+        part = value
+        if isinstance(value, dict):
+            part = replace(getattr(scene, name), **_with_laws(name, value))
         scene = replace(scene, **{name: part})
     return scene
+
+
+def _with_laws(table: str, values: dict[str, Any]) -> dict[str, Any]:
+    """Return fields with the laws shipped in place of their names."""
+    laws = {(law.table, law.key, law.name): law for law in SHIPPED.laws}
+    return {key: laws.get((table, key, value), value) for key, value in values.items()}
 
 
 STATES = {state.name: state for state in default_scene().states}

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 
+from pearlite_petsc.laws.law import Law
 from pearlite_petsc.scene import Elements, Scene, Window
 
 MOST_ELEMENTS = 5_000_000
@@ -38,7 +39,7 @@ def first_problem(scene: Scene) -> Problem | None:
         _microstructure,
         _window,
         _elements,
-        _springs,
+        _laws,
         _damage,
         _loading,
         _size,
@@ -103,12 +104,17 @@ def _elements(scene: Scene) -> Problem | None:
     return None
 
 
-def _springs(scene: Scene) -> Problem | None:
-    nu = scene.material.poisson_ratio
-    if scene.material.springs == "raje" and not 1 - 3 * nu > 0:
-        why = "k_t = E (1 - 3 nu) t/((1 - nu^2) L_eq), Eq. (25), is not positive from nu = 1/3 on"
-        what = f'= {nu:g} with springs = "raje" is refused: {why}'
-        return "material", "poisson_ratio", f'{what}; use springs = "matched" or "homogeneous"'
+def _laws(scene: Scene) -> Problem | None:
+    """Return what a law that the scene chooses says of the other values of its table."""
+    chosen: tuple[tuple[Law, object], ...] = (
+        (scene.material.springs, scene.material),
+        (scene.damage.law, scene.damage),
+        (scene.cycle_jump.method, scene.cycle_jump),
+    )
+    for law, table in chosen:
+        problem = None if law.check is None else law.check(table)
+        if problem is not None:
+            return law.table, *problem
     return None
 
 

@@ -9,9 +9,11 @@ from dataclasses import dataclass, field
 from pearlite_petsc import scene
 from pearlite_petsc.config.shipped import SHIPPED
 from pearlite_petsc.laws.catalogue import Laws
+from pearlite_petsc.laws.cycle_jump import CycleJumpLaw
 from pearlite_petsc.laws.damage import DamageLaw
 from pearlite_petsc.laws.key import LENGTH, SHARE, Key, Limits, integer, number, switch, word
 from pearlite_petsc.laws.law import Law, Source
+from pearlite_petsc.laws.springs import SpringLaw
 
 NAME_PATTERN = "[A-Za-z0-9][A-Za-z0-9_+-]{0,59}"
 
@@ -42,6 +44,7 @@ class Table:
 
 def tables(laws: Laws) -> tuple[Table, ...]:
     """Return the tables of scenes that may choose from a catalogue of laws."""
+    springs, jumps = laws.of(SpringLaw), laws.of(CycleJumpLaw)
     return (
         Table(
             "microstructure",
@@ -77,14 +80,9 @@ def tables(laws: Laws) -> tuple[Table, ...]:
                     'nu; below 1/3 with "raje"',
                     Limits(-1.0, 0.5, open_low=True, open_high=True),
                 ),
-                word(
-                    "springs",
-                    '"homogeneous", "matched" (meets nu) or "raje", Eq. (24)-(25)',
-                    "homogeneous",
-                    "matched",
-                    "raje",
-                ),
+                law_key("springs", springs),
             ),
+            springs,
         ),
         _damage(laws.of(DamageLaw)),
         _loading(),
@@ -93,15 +91,7 @@ def tables(laws: Laws) -> tuple[Table, ...]:
             scene.CycleJump,
             "",
             (
-                word(
-                    "method",
-                    '"compliance", "exponential", "euler" (the source), "heun", "adaptive"',
-                    "compliance",
-                    "exponential",
-                    "euler",
-                    "heun",
-                    "adaptive",
-                ),
+                law_key("method", jumps),
                 number(
                     "delta_d",
                     1.0,
@@ -112,6 +102,7 @@ def tables(laws: Laws) -> tuple[Table, ...]:
                     "tolerance", 0.02, 'error of a block in damage ("adaptive")', Limits(1e-6, 1.0)
                 ),
             ),
+            jumps,
         ),
         *_run(),
     )

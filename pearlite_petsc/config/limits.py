@@ -18,7 +18,7 @@ SMALLEST_WINDOW = 32.0
 def method_warnings(scene: Scene) -> list[str]:
     """Return one sentence for each method that the scene takes beyond its limit."""
     material, jump = scene.material, scene.cycle_jump
-    nu, springs = material.poisson_ratio, material.springs
+    nu, springs = material.poisson_ratio, material.springs.name
     warnings = []
     if springs == "raje" and nu > MOST_RAJE_NU:
         warnings.append(
@@ -37,7 +37,7 @@ def method_warnings(scene: Scene) -> list[str]:
             f"{MOST_AFFINE_SHEAR:g} the mesh is an anisotropic solid before any damage (moduli off "
             'by a factor of 3 at 2, of 680 at 30); "remesh" keeps them.'
         )
-    longest = LONGEST_STEP.get(jump.method, 1.0)
+    longest = LONGEST_STEP.get(jump.method.name, 1.0)
     if jump.delta_d > longest:
         warnings.append(
             f'cycle_jump method = "{jump.method}" with delta_d = {jump.delta_d:g}: above {longest:g} '

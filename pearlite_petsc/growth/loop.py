@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.errors import SolverError
 from pearlite_petsc.fatigue.crack import CrackTracker
-from pearlite_petsc.fatigue.cycle_jumps.by_name import cycle_jump
-from pearlite_petsc.fatigue.cycle_jumps.situation import Block, Trial
+from pearlite_petsc.fatigue.cycle_jumps.situation import Block, Trial, Trials
 from pearlite_petsc.fatigue.growth_rate import slope
 from pearlite_petsc.fatigue.loose import LooseClusters
 from pearlite_petsc.fatigue.outcome import GrowthState, Outcome, Step, StopReason
@@ -35,6 +34,7 @@ from pearlite_petsc.growth.front import (
 )
 from pearlite_petsc.growth.prepared import Prepared
 from pearlite_petsc.growth.softening_tip import softening_tip
+from pearlite_petsc.laws.law import called
 from pearlite_petsc.scene import Kind, Scene, State
 from pearlite_petsc.solver.equilibrium import EquilibriumState
 from pearlite_petsc.tessellation.build import tessellate
@@ -71,7 +71,6 @@ class CrackGrowth:
     ) -> None:
         self._started = perf_counter()
         self.comm, self.scene, self.state, self.delta_k = comm, scene, state, delta_k
-        self._cycle_jump = cycle_jump(scene.cycle_jump)
         self._prepared = prepared
         self._borrowed = first
         self._follower = Follower(scene, comm.bcast(None if prepared is None else prepared.zone))
@@ -284,13 +283,14 @@ class CrackGrowth:
 
     def _next_block(self) -> Block | None:
         """Run the cycle jump and answer its trials; None where no interface has a rate."""
-        trials = self._cycle_jump(self._blocks.situation())
-        if not isinstance(trials, Generator):
-            return trials
+        settings = self.scene.cycle_jump
+        found: Block | Trials | None = called(settings.method, self._blocks.situation(), settings)
+        if not isinstance(found, Generator):
+            return found
         try:
-            trial = next(trials)
+            trial = next(found)
             while not self._reaches_edge(trial):
-                trial = trials.send(self._solve(trial.damage))
+                trial = found.send(self._solve(trial.damage))
         except StopIteration as end:
             block: Block | None = end.value
             return block

@@ -1,13 +1,16 @@
 """Laws as plugs: what a damage, spring or cycle jump law declares, and the catalogue of them."""
 
 from pearlite_petsc.laws.catalogue import Laws
+from pearlite_petsc.laws.cycle_jump import CycleJumpLaw
 from pearlite_petsc.laws.damage import DamageInterfaces, DamageLaw, RateConstants, cubic_rate
 from pearlite_petsc.laws.key import LENGTH, SHARE, Key, Limits, integer, number, switch, word
 from pearlite_petsc.laws.law import Law, Source
+from pearlite_petsc.laws.springs import SpringInterfaces, SpringLaw
 
 __all__ = [
     "LENGTH",
     "SHARE",
+    "CycleJumpLaw",
     "DamageInterfaces",
     "DamageLaw",
     "Key",
@@ -16,6 +19,8 @@ __all__ = [
     "Limits",
     "RateConstants",
     "Source",
+    "SpringInterfaces",
+    "SpringLaw",
     "cubic_rate",
     "integer",
     "number",

@@ -27,6 +27,17 @@ class Laws:
         """Return the laws of one type."""
         return tuple(law for law in self.laws if isinstance(law, kind))
 
+    def named(self, kind: type[LawType], name: str) -> LawType:
+        """Return the law of a type and name.
+
+        Raises:
+            KeyError: There is none.
+        """
+        for law in self.of(kind):
+            if law.name == name:
+                return law
+        raise KeyError(name)
+
     def joined(self, laws: Iterable[Law]) -> "Laws":
         """Return the catalogue with more laws.
 

@@ -99,7 +99,7 @@ def ratio_of_mesh(mesh: Mesh, material: Material) -> float | None:
     Raises:
         PearliteError: The mesh cannot show the wanted Poisson ratio.
     """
-    if material.springs != "matched":
+    if not material.springs.meets_poisson_ratio:
         return None
 
     def poisson(ratio: float) -> float:

@@ -4,7 +4,9 @@ from dataclasses import replace
 from typing import Literal
 
 from pearlite_petsc.config import load_scene_text
-from pearlite_petsc.scene import Kinds, Material, Scene, Shear, Springs, Window
+from pearlite_petsc.config.shipped import SHIPPED
+from pearlite_petsc.laws import SpringLaw
+from pearlite_petsc.scene import Kinds, Material, Scene, Shear, Window
 
 _DEFAULT = load_scene_text("", "verification", ["damage.law=objective"])
 
@@ -16,9 +18,9 @@ STATES = {state.name: state for state in _DEFAULT.states}
 DAMAGE = _DEFAULT.damage
 
 
-def steel(springs: Springs) -> Material:
-    """Return the steel with one of the spring laws."""
-    return replace(STEEL, springs=springs)
+def steel(springs: str) -> Material:
+    """Return the steel with one of the spring laws shipped, by its name."""
+    return replace(STEEL, springs=SHIPPED.named(SpringLaw, springs))
 
 
 def scene_of(
@@ -26,7 +28,7 @@ def scene_of(
     size: tuple[float, float] = (2.0, 4.0),
     refinement: Literal["follow", "corridor", "uniform"] = "uniform",
     shear: Shear = "remesh",
-    springs: Springs = "homogeneous",
+    springs: str = "homogeneous",
     seed: int = 1,
     extension: float = 60.0,
     kinds: Kinds = _DEFAULT.elements.kinds,

@@ -10,7 +10,7 @@ from pearlite_petsc.mechanics.lefm import edge_crack_factor
 from pearlite_petsc.mechanics.loads import uniform_stress, williams_mode_one
 from pearlite_petsc.mechanics.springs import spring_stiffness
 from pearlite_petsc.mechanics.statics import solve
-from pearlite_petsc.scene import Kind, Springs
+from pearlite_petsc.scene import Kind
 from pearlite_petsc.studies.bodies import notch_between, on_line
 from pearlite_petsc.studies.cases import STATES, STEEL, scene_of, steel
 from pearlite_petsc.tessellation.build import build_mesh
@@ -28,7 +28,7 @@ def strip_mesh(element: float, index: int) -> Mesh:
     return build_mesh(replace(scene, elements=elements), STATES["undeformed"], index)
 
 
-def release_ratio(mesh: Mesh, springs: Springs) -> float:
+def release_ratio(mesh: Mesh, springs: str) -> float:
     """Return K over Tada's from the energy that the notch's last facets release."""
     ratio = ratio_of_mesh(mesh, steel(springs))
     stiffness = spring_stiffness(mesh, steel(springs), ratio)
@@ -43,7 +43,7 @@ def release_ratio(mesh: Mesh, springs: Springs) -> float:
     return float(np.sqrt((after - before) / expected))
 
 
-def tip_tractions(mesh: Mesh, springs: Springs) -> FloatArray:
+def tip_tractions(mesh: Mesh, springs: str) -> FloatArray:
     """Return the normal traction ahead of a crack times sqrt(l)/K under ``k_field``; (t,).
 
     The crack is part of the notch, so that the interface ahead goes straight on; one value for each
@@ -54,7 +54,7 @@ def tip_tractions(mesh: Mesh, springs: Springs) -> FloatArray:
     return _ahead(mesh, notch, range(len(notch) // 2, len(notch) - 3), springs)
 
 
-def line_tractions(mesh: Mesh, tip: float, springs: Springs) -> FloatArray:
+def line_tractions(mesh: Mesh, tip: float, springs: str) -> FloatArray:
     """Return the same for a crack along the middle of a grid up to x = tip [um]; (1,)."""
     line = np.flatnonzero(on_line(mesh, 0.5 * mesh.window[1], 0.0, np.inf))
     line = line[np.argsort(mesh.midpoint[line, 0])]
@@ -62,7 +62,7 @@ def line_tractions(mesh: Mesh, tip: float, springs: Springs) -> FloatArray:
     return _ahead(mesh, line, range(place, place + 1), springs)
 
 
-def _ahead(mesh: Mesh, line: IntArray, places: range, springs: Springs) -> FloatArray:
+def _ahead(mesh: Mesh, line: IntArray, places: range, springs: str) -> FloatArray:
     k = 2e4
     stiffness = spring_stiffness(mesh, steel(springs), ratio_of_mesh(mesh, steel(springs)))
     values = []

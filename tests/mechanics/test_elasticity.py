@@ -2,14 +2,15 @@ import numpy as np
 import pytest
 
 from pearlite_petsc.errors import PearliteError
+from pearlite_petsc.mechanics import springs
 from pearlite_petsc.mechanics.elasticity import certificate, ratio_of_mesh, solve_uniform
 from pearlite_petsc.mechanics.springs import raje_ratio, spring_stiffness
 from pearlite_petsc.scene import Material
 from pearlite_petsc.studies.bodies import plain_mesh, random_points, rotated, tensor_points
 
 E, NU = 206e3, 0.3
-HOMOGENEOUS = Material(E, NU, "homogeneous")
-RAJE = Material(E, NU, "raje")
+HOMOGENEOUS = Material(E, NU, springs.HOMOGENEOUS)
+RAJE = Material(E, NU, springs.RAJE)
 EDGES = np.linspace(0.0, 12.0, 9)
 SQUARE = plain_mesh(tensor_points(EDGES, EDGES), 12.0, 12.0)
 RANDOM = plain_mesh(random_points(120, 12.0, 12.0, seed=9), 12.0, 12.0)
@@ -79,7 +80,7 @@ def test_the_stress_averaged_over_all_interfaces_is_the_applied_one() -> None:
 
 
 def test_matched_springs_show_the_poisson_ratio() -> None:
-    material = Material(E, 0.2, "matched")
+    material = Material(E, 0.2, springs.MATCHED)
     ratio = ratio_of_mesh(RANDOM, material)
     assert ratio is not None
     found = certificate(RANDOM, spring_stiffness(RANDOM, material, ratio))
@@ -89,7 +90,7 @@ def test_matched_springs_show_the_poisson_ratio() -> None:
 
 def test_matched_springs_that_a_mesh_cannot_have_are_refused() -> None:
     with pytest.raises(PearliteError, match="matched"):
-        ratio_of_mesh(SQUARE, Material(E, NU, "matched"))
+        ratio_of_mesh(SQUARE, Material(E, NU, springs.MATCHED))
 
 
 def test_other_springs_need_no_ratio() -> None:

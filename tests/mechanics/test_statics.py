@@ -5,7 +5,7 @@ import pytest
 
 from pearlite_petsc.mechanics.kinematics import rotation_length
 from pearlite_petsc.mechanics.loads import uniform_stress, williams_mode_one
-from pearlite_petsc.mechanics.springs import spring_stiffness
+from pearlite_petsc.mechanics.springs import HOMOGENEOUS, spring_stiffness
 from pearlite_petsc.mechanics.statics import load_vector, operators, solve, solve_loads
 from pearlite_petsc.scene import Material
 from pearlite_petsc.studies.bodies import on_line, plain_mesh, random_points, tensor_points
@@ -13,7 +13,7 @@ from pearlite_petsc.studies.bodies import on_line, plain_mesh, random_points, te
 EDGES = np.linspace(0.0, 10.0, 11)
 GRID = plain_mesh(tensor_points(EDGES, EDGES), 10.0, 10.0)
 RANDOM = plain_mesh(random_points(150, 10.0, 10.0, seed=4), 10.0, 10.0)
-STEEL = Material(206e3, 0.3, "homogeneous")
+STEEL = Material(206e3, 0.3, HOMOGENEOUS)
 PULL = uniform_stress(0.0, 1.0, 0.0)
 
 

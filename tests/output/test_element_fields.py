@@ -12,20 +12,16 @@ from pearlite_petsc.mechanics.kinematics import (
 from pearlite_petsc.mechanics.loads import facet_forces, uniform_stress
 from pearlite_petsc.mechanics.springs import spring_stiffness
 from pearlite_petsc.output.element_fields import element_stress, fan, force_moments
-from pearlite_petsc.scene import Material, Springs
+from pearlite_petsc.studies.cases import steel
 from pearlite_petsc.tessellation.mesh import Mesh
 from tests.output import synthetic
 
 
-def material(springs: Springs) -> Material:
-    return Material(206e3, 0.3, springs)
-
-
-def solved(mesh: Mesh, springs: Springs, stress: tuple[float, float, float]) -> GrowthState:
+def solved(mesh: Mesh, springs: str, stress: tuple[float, float, float]) -> GrowthState:
     """Solve the uncracked window under uniform stress (xx, yy, xy) with a dense matrix."""
     count = 3 * mesh.element_count
     operator = jump_operator(mesh.centre, mesh.interface_elements, mesh.midpoint, mesh.normal, 1.0)
-    constants = spring_constants(spring_stiffness(mesh, material(springs)), mesh.length)
+    constants = spring_constants(spring_stiffness(mesh, steel(springs)), mesh.length)
     blocks = stiffness_blocks(operator, constants)
     unknowns = (3 * mesh.interface_elements[:, :, None] + np.arange(3)).reshape(-1, 6)
     matrix = np.zeros((count, count))
@@ -68,7 +64,7 @@ def uncracked() -> Mesh:
 def test_uniform_stress_is_found_in_every_element_but_the_corners() -> None:
     mesh = uncracked()
     state = solved(mesh, "homogeneous", (70.0, 100.0, -30.0))
-    stress = element_stress(mesh, state, spring_stiffness(mesh, material("homogeneous")))
+    stress = element_stress(mesh, state, spring_stiffness(mesh, steel("homogeneous")))
     corner = np.isnan(stress[:, 0, 0])
     assert corner.sum() == 4
     wanted = np.array([[70.0, -30.0], [-30.0, 100.0]])
@@ -77,7 +73,7 @@ def test_uniform_stress_is_found_in_every_element_but_the_corners() -> None:
 
 def test_the_moments_of_the_springs_make_the_tensor_symmetric_in_equilibrium() -> None:
     mesh = uncracked()
-    springs = spring_stiffness(mesh, material("raje"))
+    springs = spring_stiffness(mesh, steel("raje"))
     state = solved(mesh, "raje", (0.0, 100.0, 0.0))
     moments, resultant = force_moments(mesh, state, springs)
     inner = np.setdiff1d(np.arange(mesh.element_count), mesh.boundary_elements)
@@ -92,7 +88,7 @@ def test_a_rigid_motion_carries_no_stress() -> None:
     mesh = uncracked()
     motion = rigid_modes(mesh.centre, 1.0, mesh.centre.mean(axis=0)) @ np.array([0.3, -0.2, 1e-3])
     stress = element_stress(
-        mesh, state_of(mesh, motion), spring_stiffness(mesh, material("homogeneous"))
+        mesh, state_of(mesh, motion), spring_stiffness(mesh, steel("homogeneous"))
     )
     assert np.nanmax(np.abs(stress)) < 1e-8
 

@@ -9,7 +9,7 @@ from mpi4py import MPI
 from pearlite_petsc.arrays import BoolArray, FloatArray
 from pearlite_petsc.mechanics import statics
 from pearlite_petsc.mechanics.loads import uniform_stress
-from pearlite_petsc.mechanics.springs import spring_stiffness
+from pearlite_petsc.mechanics.springs import HOMOGENEOUS, spring_stiffness
 from pearlite_petsc.scene import Material, Solver
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.petsc import PETSc
@@ -19,7 +19,7 @@ from pearlite_petsc.tessellation.build import build_mesh
 from pearlite_petsc.tessellation.mesh import Mesh
 from tests.scenes import STATES, default_scene
 
-STEEL = Material(206e3, 0.3, "homogeneous")
+STEEL = Material(206e3, 0.3, HOMOGENEOUS)
 PULL = uniform_stress(20.0, 100.0, 15.0)
 RANDOM = plain_mesh(random_points(900, 60.0, 60.0, seed=5), 60.0, 60.0)
 INNER = np.setdiff1d(np.arange(RANDOM.element_count), RANDOM.boundary_elements)

@@ -9,7 +9,7 @@ from pearlite_petsc.arrays import BoolArray
 from pearlite_petsc.errors import PearliteError
 from pearlite_petsc.fatigue.loose import LooseClusters
 from pearlite_petsc.mechanics import statics
-from pearlite_petsc.mechanics.springs import spring_stiffness
+from pearlite_petsc.mechanics.springs import RAJE, spring_stiffness
 from pearlite_petsc.scene import Kind, Material
 from pearlite_petsc.tessellation.build import build_mesh
 from pearlite_petsc.tessellation.mesh import Mesh
@@ -110,7 +110,7 @@ def test_a_loose_pair_leaves_the_others_in_equilibrium(method: str) -> None:
 @pytest.mark.parametrize("nu", [0.0, 0.2, 0.3, 0.33, 0.333])
 def test_raje_springs_are_solved_up_to_a_third(nu: float, method: str) -> None:
     counters = assert_in_equilibrium(
-        RANDOM, none_broken(RANDOM), method, Material(206e3, nu, "raje"), 1e-5
+        RANDOM, none_broken(RANDOM), method, Material(206e3, nu, RAJE), 1e-5
     )
     assert counters["iterations"] < 400
 
@@ -118,7 +118,7 @@ def test_raje_springs_are_solved_up_to_a_third(nu: float, method: str) -> None:
 @pytest.mark.parametrize("nu", [1.0 / 3.0, 0.4])
 def test_raje_springs_from_a_third_on_are_refused_by_name(nu: float) -> None:
     with pytest.raises(PearliteError, match=r"'raje': poisson_ratio .* needs poisson_ratio < 1/3"):
-        spring_stiffness(RANDOM, Material(206e3, nu, "raje"))
+        spring_stiffness(RANDOM, Material(206e3, nu, RAJE))
 
 
 @pytest.mark.parametrize("gamma", [2.0, 10.0, 30.0])

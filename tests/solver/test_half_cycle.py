@@ -8,7 +8,7 @@ import pytest
 
 from pearlite_petsc.arrays import BoolArray, FloatArray
 from pearlite_petsc.mechanics import statics
-from pearlite_petsc.mechanics.springs import spring_stiffness
+from pearlite_petsc.mechanics.springs import RAJE, spring_stiffness
 from pearlite_petsc.scene import Kind, Material
 from pearlite_petsc.solver import equilibrium as equilibrium_module
 from pearlite_petsc.solver import reuse
@@ -112,7 +112,7 @@ def test_half_a_cycle_that_stalls_gives_way_early_and_for_the_rest_of_the_hierar
 def test_half_a_cycle_is_not_tried_where_the_whole_one_takes_long(case: str) -> None:
     broken = none_broken(RANDOM) if case == "raje" else a_fifth()
     # Of steel, a fifth broken takes PETSc 3.26 so few that half the cycle is rightly tried.
-    material = Material(206e3, 0.333, "raje")
+    material = Material(206e3, 0.333, RAJE)
     with equilibrium_of(RANDOM, broken, material, tolerance=TOLERANCE) as equilibrium:
         load = forces(RANDOM, equilibrium)
         equilibrium.solve(load)

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from pearlite_petsc.mechanics.springs import RAJE
 from pearlite_petsc.scene import Kind, Material
 from pearlite_petsc.solver import equilibrium as equilibrium_module
 from tests.solver.bodies import NOTCHED, RANDOM, equilibrium_of, forces, none_broken, options
 
 
 def test_many_iterations_let_the_hierarchies_that_follow_coarsen_less_also_when_restored() -> None:
-    material = Material(206e3, 0.333, "raje")
+    material = Material(206e3, 0.333, RAJE)
     broken = none_broken(RANDOM)
     with equilibrium_of(RANDOM, broken, material, tolerance=1e-9) as equilibrium:
         load = forces(RANDOM, equilibrium)
@@ -31,7 +32,7 @@ def test_many_iterations_let_the_hierarchies_that_follow_coarsen_less_also_when_
 
 
 def test_who_chooses_the_aggregates_or_no_multigrid_keeps_them() -> None:
-    material = Material(206e3, 0.333, "raje")
+    material = Material(206e3, 0.333, RAJE)
     for given in ({"pc_gamg_square_graph": "1"}, {"pearlite_pc_type": "jacobi"}):
         with (
             options(**given),

@@ -11,7 +11,7 @@ from pearlite_petsc.mechanics.kinematics import jumps, rigid_modes, rotation_len
 from pearlite_petsc.mechanics.loads import AiryFunction, facet_forces, williams_mode_one
 from pearlite_petsc.mechanics.springs import Stiffness, spring_stiffness
 from pearlite_petsc.mechanics.statics import load_vector, operators, solve, stiffness_matrix
-from pearlite_petsc.scene import Kind, Solver, Springs
+from pearlite_petsc.scene import Kind, Solver
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.subdomain import subdomain_of
 from pearlite_petsc.studies.bodies import (
@@ -131,7 +131,7 @@ def traction_errors(mesh: Mesh) -> dict[str, float]:
     }
 
 
-def affine_errors(mesh: Mesh, springs: Springs) -> tuple[float, float]:
+def affine_errors(mesh: Mesh, springs: str) -> tuple[float, float]:
     """Return unbalanced force and error of the mean stress when all centres move affinely.
 
     On a hexagonal packing the elements inside are in balance, and the stress averaged over one of
@@ -267,5 +267,5 @@ def _tangent(mesh: Mesh) -> FloatArray:
     return np.stack([-mesh.normal[:, 1], mesh.normal[:, 0]], axis=1)
 
 
-def _springs(mesh: Mesh, springs: Springs) -> Stiffness:
+def _springs(mesh: Mesh, springs: str) -> Stiffness:
     return spring_stiffness(mesh, steel(springs))

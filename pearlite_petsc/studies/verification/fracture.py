@@ -10,7 +10,6 @@ from matplotlib.ticker import NullFormatter, ScalarFormatter
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.mechanics.lefm import TIP_FACTOR
 from pearlite_petsc.output.figures.style import drawing
-from pearlite_petsc.scene import Springs
 from pearlite_petsc.studies.bodies import plain_mesh, tensor_points
 from pearlite_petsc.studies.cases import STATES, scene_of
 from pearlite_petsc.studies.cracked_bodies import (
@@ -170,7 +169,7 @@ def _draw(path: Path, series: list[Series]) -> None:
 
 def _own_meshes(section: Section, elements: tuple[float, ...], meshes: int) -> None:
     rows = []
-    laws: tuple[Springs, ...] = ("homogeneous", "matched", "raje")
+    laws: tuple[str, ...] = ("homogeneous", "matched", "raje")
     for element in elements:
         bodies = [strip_mesh(element, index) for index in range(meshes)]
         row = [f"{element:g}", f"{np.mean([body.element_count for body in bodies]):.0f}"]
@@ -207,7 +206,7 @@ def _tip(section: Section) -> None:
     square = plain_mesh(tensor_points(edges, edges), 200.0, 200.0)
     own = build_mesh(scene_of((120.0, 120.0, 70.0), (2.0, 4.0)), STATES["severe_AT"], 0)
     rough = build_mesh(scene_of((120.0, 120.0, 70.0), (2.0, 4.0)), STATES["undeformed"], 0)
-    found: dict[str, dict[Springs, FloatArray]] = {
+    found: dict[str, dict[str, FloatArray]] = {
         "square cells": {"homogeneous": line_tractions(square, 100.0, "homogeneous")}
     }
     for name, mesh in (("severe A-T", own), ("undeformed", rough)):

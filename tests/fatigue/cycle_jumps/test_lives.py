@@ -1,16 +1,23 @@
 """Every cycle jump against an ODE solver on springs that share their load with a body."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
-from pearlite_petsc.fatigue.cycle_jumps.by_name import METHODS, cycle_jump
+from pearlite_petsc.config.shipped import SHIPPED
 from pearlite_petsc.fatigue.cycle_jumps.situation import CycleJumpMethod
+from pearlite_petsc.laws.cycle_jump import CycleJumpLaw
+from pearlite_petsc.laws.law import called
 from pearlite_petsc.scene import CycleJump
 from tests.fatigue.cycle_jumps.body import COUNT, Body
 
+METHODS = [law.name for law in SHIPPED.of(CycleJumpLaw)]
+
 
 def method_of(name: str, delta_d: float, tolerance: float = 0.01) -> CycleJumpMethod:
-    return cycle_jump(CycleJump(name, delta_d, tolerance))  # type: ignore[arg-type]
+    law = SHIPPED.named(CycleJumpLaw, name)
+    return partial(called, law, settings=CycleJump(law, delta_d, tolerance))
 
 
 @pytest.mark.parametrize(

@@ -201,4 +201,4 @@ def test_the_baseline_of_the_campaign_makes_a_hierarchy_for_every_solve() -> Non
 
 def test_the_jump_that_the_chart_marks_is_the_default() -> None:
     jump = load_scene_text("", "test").cycle_jump
-    assert (jump.method, jump.delta_d) == DEFAULT
+    assert (jump.method.name, jump.delta_d) == DEFAULT

@@ -1,0 +1,50 @@
+"""The spring law as a plug: what it is told of the interfaces."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from pearlite_petsc.arrays import FloatArray, IntArray
+from pearlite_petsc.laws.law import Law
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SpringInterfaces:
+    """Interfaces as a spring law sees them, intact.
+
+    Attributes:
+        centre_distance: L_eq, distance of the two elements' centres along the normal [um], > 0; (k,).
+        length: L [um]; (k,).
+        kind: ``Kind`` of each; (k,).
+        midpoint: [um]; (k, 2).
+        normal: Unit normal from element i to j; (k, 2).
+    """
+
+    centre_distance: FloatArray
+    length: FloatArray
+    kind: IntArray
+    midpoint: FloatArray
+    normal: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpringLaw(Law):
+    """A spring law: ``function(interfaces, material, *, parameters...) -> Stiffness``.
+
+    The function gets ``SpringInterfaces`` and the scene's ``Material`` table and returns the
+    normal and tangential stiffness per area of intact springs (``mechanics.springs.Stiffness``).
+
+    Attributes:
+        meets_poisson_ratio: Whether the function also takes ``ratio``, the k_t/k_n with which the
+            mesh shows the material's Poisson ratio; the program finds it.
+    """
+
+    meets_poisson_ratio: bool = False
+
+    table: ClassVar[str] = "material"
+    key: ClassVar[str] = "springs"
+    arguments: ClassVar[tuple[str, ...]] = ("interfaces", "material")
+
+    @property
+    def given_by_program(self) -> tuple[str, ...]:
+        """Keywords that the program gives beside the parameters."""
+        return ("ratio",) if self.meets_poisson_ratio else ()
