@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from pearlite_petsc import run
 from pearlite_petsc.config import load_scene, scene_to_toml
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.output.results import write_results
+from pearlite_petsc.run import _parser, _scene
 
 PRESET = Path(__file__).parents[2] / "runs" / "quickstart.toml"
 
@@ -22,7 +22,7 @@ POINTS = "state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nsevere_AT,13,1.5e-9\n"
 
 def experiment_of(*arguments: str) -> tuple[str, str | None]:
     """Return the scene's experiment and the text of its points, as the run would take them."""
-    scene, experiment = run._scene(run._parser().parse_args(list(arguments)))
+    scene, experiment = _scene(_parser().parse_args(list(arguments)))
     return scene.output.experiment or "", experiment and experiment.text
 
 

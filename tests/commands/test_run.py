@@ -251,7 +251,7 @@ def test_the_launcher_refuses_what_the_ranks_would(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("pearlite_petsc.run.launch_run", lambda *given: pytest.fail("started"))
+    monkeypatch.setattr(run, "launch_run", lambda *given: pytest.fail("started"))
     Path("other").mkdir()
     Path("other/mine.txt").write_text("mine")
     Path("file").write_text("")
@@ -262,7 +262,7 @@ def test_a_folder_that_cannot_be_written_names_the_option(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("os.access", lambda path, mode: False)
-    monkeypatch.setattr("pearlite_petsc.run.launch_run", lambda *given: pytest.fail("started"))
+    monkeypatch.setattr(run, "launch_run", lambda *given: pytest.fail("started"))
     message = refusal(capsys, "--ranks", "2", "--output", "deep/inside")
     assert message.startswith("deep/inside: cannot be used as output (")
     assert "choose another with --output" in message
