@@ -12,16 +12,19 @@ from pearlite_petsc.tessellation.mesh import Mesh
 from pearlite_petsc.tessellation.voronoi import bounded_voronoi
 
 
-def plain_mesh(points: FloatArray, width: float, height: float) -> Mesh:
+def plain_mesh(
+    points: FloatArray, width: float, height: float, largest: float | None = None
+) -> Mesh:
     """Return the mesh of nuclei in a window without a notch; no facet is dropped.
 
     Args:
         points: Nuclei inside the window [um]; (n, 2).
         width, height: Of the window [um].
+        largest: Extent of the largest element [um]; None where all are of about one size.
     """
     points = points[hilbert_order(points)]
     count = len(points)
-    reach = np.full(count, 3.0 * np.sqrt(width * height / count))
+    reach = np.full(count, largest or 3.0 * np.sqrt(width * height / count))
     diagram = bounded_voronoi(points, width, height, reach)
     gap = points[diagram.pairs[:, 1]] - points[diagram.pairs[:, 0]]
     label = np.zeros(count, dtype=np.int64)

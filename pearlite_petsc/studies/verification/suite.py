@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from pearlite_petsc.studies.verification.claim import Section, Setting
+from pearlite_petsc.studies.verification.crack_tip import crack_tip
 from pearlite_petsc.studies.verification.damage import damage
 from pearlite_petsc.studies.verification.elastic import elastic
 from pearlite_petsc.studies.verification.exact import exact
@@ -15,6 +16,7 @@ SECTIONS: dict[str, Callable[[Setting], Section]] = {
     "exact": exact,
     "elastic": elastic,
     "fracture": fracture,
+    "crack_tip": crack_tip,
     "damage": damage,
     "metamorphic": metamorphic,
     "texture": texture,

@@ -14,6 +14,7 @@ LEAST_CLAIMS = {
     "exact": 20,
     "elastic": 20,
     "fracture": 15,
+    "crack_tip": 15,
     "damage": 20,
     "metamorphic": 10,
     "texture": 30,
