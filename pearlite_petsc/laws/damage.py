@@ -99,7 +99,7 @@ class DamageLaw(Law):
         follows_crack: Whether the law depends on ``crack_distance``; it is then asked again
             whenever interfaces have broken, else once a mesh.
 
-    Example:
+    Examples:
         >>> def half_rate(interfaces, damage):
         ...     factor = 0.5 * damage.c / (interfaces.strength * interfaces.length)
         ...     return RateConstants(factor, 0.0 * factor, damage.beta)

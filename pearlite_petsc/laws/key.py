@@ -47,7 +47,10 @@ class Limits:
 
 
 LENGTH = Limits(0.01, 1e5)
+"""Of lengths [um]."""
+
 SHARE = Limits(0.0, 1.0, open_low=True)
+"""Of shares of a whole, 0 excluded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +110,7 @@ def number(attribute: str, default: float, help: str, limits: Limits, unit: str 
     Raises:
         ValueError: The unit is unknown, or the default lies outside the limits.
 
-    Example:
+    Examples:
         >>> key = number("thickness", 20.0, "of the film, nm", Limits(1.0, 500.0), "nm")
         >>> key.name, key.program_default
         ('thickness_nm', 0.02)
