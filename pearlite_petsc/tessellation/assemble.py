@@ -7,9 +7,9 @@ import numpy as np
 from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
 from pearlite_petsc.microstructure.labels import LabelMap
 from pearlite_petsc.scene import Kind, Window
-from pearlite_petsc.tessellation.interfaces import notch_run
 from pearlite_petsc.tessellation.kinds import Facets, kinds_by_labels, shares_by_cut
 from pearlite_petsc.tessellation.mesh import Mesh
+from pearlite_petsc.tessellation.notch import notch_run
 from pearlite_petsc.tessellation.voronoi import (
     Diagram,
     cell_areas,

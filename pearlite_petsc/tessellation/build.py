@@ -13,7 +13,8 @@ from pearlite_petsc.tessellation.assemble import Labels, assemble
 from pearlite_petsc.tessellation.curve import hilbert_order
 from pearlite_petsc.tessellation.levels import GROWTH, coarsening_levels, level_of
 from pearlite_petsc.tessellation.mesh import Mesh
-from pearlite_petsc.tessellation.nuclei import NOTCH_BAND, fine_nuclei
+from pearlite_petsc.tessellation.notch import NotchGapError
+from pearlite_petsc.tessellation.nuclei import fine_nuclei, notch_band
 from pearlite_petsc.tessellation.voronoi import bounded_voronoi
 from pearlite_petsc.tessellation.zone import FineZone, initial_zone
 
@@ -158,11 +159,20 @@ def tessellate(substrate: Substrate, zone: FineZone, keep: IntArray | None = Non
     # A zone that is not symmetric must not take one half of a mirror pair alone.
     mirrored = np.flatnonzero(substrate.partner >= 0)
     chosen[mirrored] |= chosen[substrate.partner[mirrored]]
-    nucleus = np.flatnonzero(chosen).astype(np.int64)
-    if len(nucleus) < FEWEST:
-        raise MeshError(f"mesh has {len(nucleus)} elements, at least {FEWEST} are needed")
-    reach = 1.5 * np.maximum(substrate.spacing * GROWTH * factor[nucleus], elements.length)
-    return _mesh(substrate, nucleus, reach, fine[nucleus])
+    reach = 1.5 * np.maximum(substrate.spacing * GROWTH * factor, elements.length)
+    while True:
+        nucleus = np.flatnonzero(chosen).astype(np.int64)
+        if len(nucleus) < FEWEST:
+            raise MeshError(f"mesh has {len(nucleus)} elements, at least {FEWEST} are needed")
+        try:
+            return _mesh(substrate, nucleus, reach[nucleus], fine[nucleus])
+        except NotchGapError as gap:
+            # A nucleus without an image lies closest there: mirror pairs between it and the line.
+            x = substrate.points[:, 0]
+            near = (x > gap.start - reach) & (x < gap.end + reach) & (substrate.partner >= 0)
+            if not (near & ~chosen).any():
+                raise
+            chosen |= near
 
 
 def _affine_substrate(scene: Scene, state: State, index: int, label_map: LabelMap) -> Substrate:
@@ -200,7 +210,7 @@ def _notch_guard(points: FloatArray, window: Window, elements: Elements) -> Floa
         np.maximum(points[:, 0] - window.notch, 0.0), points[:, 1] - 0.5 * window.height
     )
     tip = np.hypot(points[:, 0] - window.notch, points[:, 1] - 0.5 * window.height)
-    flank = FLANK_FACTOR + FLANK_GROWTH * np.maximum(away - NOTCH_BAND * elements.length, 0.0)
+    flank = FLANK_FACTOR + FLANK_GROWTH * np.maximum(away - notch_band(elements), 0.0)
     return np.minimum(flank, 1.0 + FLANK_GROWTH * np.maximum(tip - 2.0 * elements.length, 0.0))
 
 

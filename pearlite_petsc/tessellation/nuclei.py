@@ -19,7 +19,9 @@ NOTCH_GAP = 0.3
 """Least distance of a nucleus from the notch line, in element widths."""
 
 NOTCH_BAND = 3.0
-"""Half height of the band of mirrored nuclei along the notch, in element lengths."""
+"""Half height of the band of mirrored nuclei along the notch, in lengths of elements (widths, where
+those are larger).
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,12 +91,17 @@ def _mirrored(points: FloatArray, window: Window) -> FloatArray:
     return np.column_stack([points[:, 0], window.height - points[:, 1]])
 
 
+def notch_band(elements: Elements) -> float:
+    """Return the half height of the band of mirrored nuclei along the notch [um]."""
+    return NOTCH_BAND * max(elements.width, elements.length)
+
+
 def _notch_sides(
     points: FloatArray, elements: Elements, window: Window
 ) -> tuple[FloatArray, FloatArray]:
     """Return the nuclei above the notch that get mirror images, and those outside the band."""
     above = points[:, 1] - 0.5 * window.height
-    band = (points[:, 0] < window.notch) & (np.abs(above) < NOTCH_BAND * elements.length)
+    band = (points[:, 0] < window.notch) & (np.abs(above) < notch_band(elements))
     return points[band & (above > NOTCH_GAP * elements.width)], points[~band]
 
 
@@ -102,7 +109,7 @@ def _near_band(points: FloatArray, elements: Elements, window: Window) -> BoolAr
     """Return which points may be too close to a mirror image at the notch; (n,)."""
     reach = max(elements.width, elements.length)
     above = np.abs(points[:, 1] - 0.5 * window.height)
-    near: BoolArray = above < NOTCH_BAND * elements.length + reach
+    near: BoolArray = above < notch_band(elements) + reach
     return near & (points[:, 0] < window.notch + reach)
 
 

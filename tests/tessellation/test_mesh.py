@@ -92,6 +92,18 @@ def test_the_notch_is_one_straight_run_from_the_edge_to_its_tip(name: str, index
     assert abs(m.notch[0] - 80.0) < SCENE.elements.length
 
 
+def test_the_notch_is_followed_where_the_nearest_nucleus_has_no_mirror_image() -> None:
+    # Here the coarse nuclei left at the notch let one beyond the band come closest to its line.
+    scene = default_scene(elements={"width": 4.0, "length": 4.0, "radius": 24.0})
+    part = prepare(scene, STATES["severe_AT"], 15)
+    m = tessellate(part, initial_zone(scene))
+    assert abs(m.notch[0] - 80.0) < 4.0
+    notch = m.kind == Kind.NOTCH
+    assert abs(m.length[notch].sum() - m.notch[0]) < 0.1
+    paired = part.partner[m.nucleus[m.interface_elements[notch]]]
+    assert np.array_equal(paired[:, 0], m.nucleus[m.interface_elements[notch, 1]])
+
+
 def test_the_notch_stays_where_it_is_under_any_grading() -> None:
     rng = np.random.default_rng(1)
     for name in STATES:

@@ -7,6 +7,18 @@ from pearlite_petsc.errors import MeshError
 from pearlite_petsc.scene import Window
 
 
+class NotchGapError(MeshError):
+    """The facets on the notch line end before the tip.
+
+    Attributes:
+        start, end: x between which no facet lies on the line [um].
+    """
+
+    def __init__(self, message: str, start: float, end: float) -> None:
+        super().__init__(message)
+        self.start, self.end = start, end
+
+
 def notch_run(
     vertices: FloatArray,
     facets: IntArray,
@@ -27,7 +39,7 @@ def notch_run(
         Which interfaces belong to the notch (k,), and where it ends (x, y) [um].
 
     Raises:
-        MeshError: The facets do not reach from the window's edge to the nominal tip.
+        NotchGapError: The facets do not reach from the window's edge to the nominal tip.
     """
     middle = 0.5 * window.height
     number = np.flatnonzero(mirrored)
@@ -40,9 +52,11 @@ def notch_run(
     run = int(gaps[0]) if len(gaps) else len(number)
     tip = float(end[run - 1]) if run else 0.0
     if abs(tip - window.notch) > 3.0 * spacing:
-        raise MeshError(
+        raise NotchGapError(
             f"notch ends at x = {tip:.4g} um, more than {3.0 * spacing:.4g} um from "
-            f"the {window.notch:g} um asked for"
+            f"the {window.notch:g} um asked for",
+            tip,
+            float(start[run]) if run < len(number) else window.notch,
         )
     on_notch = np.zeros(len(facets), dtype=np.bool_)
     on_notch[number[:run]] = True
