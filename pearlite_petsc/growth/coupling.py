@@ -12,7 +12,7 @@ from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.softening import Softening, load_centre
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.solver.compliance import Compliance
-from pearlite_petsc.solver.owners import from_owners, places_here, places_owned
+from pearlite_petsc.solver.owners import from_owners, local_interfaces, owned_interfaces
 
 LEAST_GAIN, MOST_COUPLED = 0.01, 20
 """Damage that an interface gains in a block from which it counts as softening, and how many do."""
@@ -83,7 +83,7 @@ class Coupling:
             values: Of this rank's interfaces; (k, ...).
             new: Of those; (a, ...).
         """
-        row, place = places_here(self._domain.subdomain, numbers)
+        row, place = local_interfaces(self._domain.subdomain, numbers)
         result = values.copy()
         result[place] = new[row]
         return result
@@ -118,7 +118,7 @@ class Coupling:
             stiffness.k_n,
             stiffness.k_t,
         ]
-        _, place = places_owned(self._domain.subdomain, numbers)
+        _, place = owned_interfaces(self._domain.subdomain, numbers)
         advance = np.zeros((len(drive.damage), 2))
         for number in place:
             advance[number] = self._advance(number)
@@ -172,7 +172,7 @@ class Coupling:
         if self._pull is None or self._has_left_pull():
             self._pull_tip = self._tracker.tip
             self._pull = self._pulls(compliance)
-        return compliance.now(numbers, damage, self._pull)
+        return compliance.at(numbers, damage, self._pull)
 
     def _factored(self) -> Compliance:
         """Return the compliance from factors of the damage of now; no pull is known. Collective."""

@@ -8,7 +8,7 @@ from mpi4py import MPI
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.solver.equilibrium import Equilibrium
 from pearlite_petsc.solver.krylov import stage
-from pearlite_petsc.solver.owners import from_owners, places_owned
+from pearlite_petsc.solver.owners import from_owners, owned_interfaces
 from pearlite_petsc.solver.woodbury import Woodbury
 
 MOST_AT_ONCE = 4e6
@@ -62,7 +62,7 @@ class Compliance:
         most = max(1, int(MOST_AT_ONCE / (9 * self._subdomain.element_count)))
         for start in range(0, len(new), most):
             self._add(new[start : start + most])
-        if len(new) and self._factors.precondition:
+        if len(new) and self._factors.are_preconditioner:
             self._factors.woodbury = self._woodbury()
 
     def _add(self, new: IntArray) -> None:
@@ -71,7 +71,7 @@ class Compliance:
         number = self.batch[-1] + 1 if before else 0
         self.numbers = np.concatenate([self.numbers, new])
         self.batch = np.concatenate([self.batch, np.full(len(new), number)])
-        row, place = places_owned(self._subdomain, self.numbers)
+        row, place = owned_interfaces(self._subdomain, self.numbers)
         with stage("solve"):
             unknowns = self._under_unit_pairs(new)[self._subdomain.interface_elements[place]]
         opened = np.zeros((len(self.numbers), 3, 3 * len(new)))
@@ -102,7 +102,7 @@ class Compliance:
                 found.append(self._system.jumps(unknowns))
         return np.stack(found, axis=2)
 
-    def now(
+    def at(
         self, numbers: IntArray, damage: FloatArray, response: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return the compliance of some interfaces and a response at another damage. Collective.
@@ -130,7 +130,7 @@ class Compliance:
 
     def _woodbury(self) -> Woodbury:
         """Return what turns the factors into those of another damage of the interfaces added."""
-        _, place = places_owned(self._subdomain, self.numbers)
+        _, place = owned_interfaces(self._subdomain, self.numbers)
         return Woodbury(
             place=place,
             damage=self.set_up_damage[place],
@@ -151,10 +151,10 @@ class Compliance:
 
         Shape (owned + g, 3, 3 a).
         """
-        row, place = places_owned(self._subdomain, numbers)
+        row, place = owned_interfaces(self._subdomain, numbers)
         values = self._system.operator[place]
         found = self._factors.solve_triples(row, self._unknowns_of(place), values, len(numbers))
-        if self._factors.precondition:
+        if self._factors.are_preconditioner:
             columns = found.reshape(len(self._columns), -1)
             self._columns = np.concatenate([self._columns, columns], axis=1)
         return found

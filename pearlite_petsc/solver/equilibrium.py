@@ -47,7 +47,7 @@ class Equilibrium(Closing):
 
     Args:
         comm: The ranks.
-        subdomain: This rank's subdomain.
+        subdomain: What this rank knows of the mesh.
         damage: At the start, from now on read-only; shape (k,).
         settings: Method and tolerance.
         keep_first: Whether ``restart`` will be wanted, which keeps the first preconditioner.
@@ -65,17 +65,17 @@ class Equilibrium(Closing):
         self.system = LinearSystem(comm, subdomain, damage)
         self.policy = ReusePolicy(setup_cost(3 * subdomain.element_count))
         self._maker = PreconditionerMaker(self.system, settings, self.counters)
-        self._now = self._maker.main(finer=False)
-        self._first = self._now if keep_first else None
+        self._preconditioner = self._maker.main(finer=False)
+        self._first = self._preconditioner if keep_first else None
         self._factors: Factors | None = None
 
     def close(self) -> None:
         """Destroy the PETSc objects. Collective."""
         if self._factors is not None:
             self._factors.close()
-        if self._first is not None and self._first.number != self._now.number:
+        if self._first is not None and self._first.number != self._preconditioner.number:
             self._first.close()
-        self._now.close()
+        self._preconditioner.close()
         self.system.close()
 
     def update(self, damage: FloatArray) -> None:
@@ -100,9 +100,9 @@ class Equilibrium(Closing):
             self.system.start_from(guess)
         self.counters["solves"] += 1
         if self._maker.method == "direct":
-            if not self._now.is_current():
+            if not self._preconditioner.is_current():
                 self.renew()
-            self._now.solve_exactly()
+            self._preconditioner.solve_exactly()
         else:
             self._solve_iterative()
         return self.system.unknowns()
@@ -114,7 +114,7 @@ class Equilibrium(Closing):
     def renew(self) -> None:
         """Make the preconditioner anew, for the damage of now. Collective."""
         self._release()
-        self._now = self._maker.main(self.policy.is_finer)
+        self._preconditioner = self._maker.main(self.policy.is_finer)
         self.policy = self.policy.renewed()
 
     def restart(self) -> None:
@@ -129,19 +129,19 @@ class Equilibrium(Closing):
         self.counters.clear()
         self.counters["setups"] = 1
         self._release()
-        self._now = self._first
+        self._preconditioner = self._first
         self.policy = ReusePolicy(self.policy.setup_cost)
 
     def state(self) -> EquilibriumState:
         """Return what ``restore`` needs to go on bit for bit."""
-        return EquilibriumState(self._now.damage, self.system.solution(), self.policy)
+        return EquilibriumState(self._preconditioner.damage, self.system.solution(), self.policy)
 
     def restore(self, state: EquilibriumState) -> None:
         """Go on from a state: the preconditioner of then, and the solution to start from."""
         damage = self.system.damage
         self.update(state.set_up_damage)
         self._release()
-        self._now = self._maker.main(state.policy.is_finer)
+        self._preconditioner = self._maker.main(state.policy.is_finer)
         self.update(damage)
         self.system.start_from(state.solution)
         self.policy = state.policy
@@ -157,18 +157,18 @@ class Equilibrium(Closing):
         """
         now = self.system.damage
         self.update(damage)
-        if self._now.factors is not None and not self._now.is_current():
+        if self._preconditioner.factors is not None and not self._preconditioner.is_current():
             self.renew()
-        found = self._now.factors or self._beside()
+        found = self._preconditioner.factors or self._other_factors()
         self.update(now)
         return found
 
     def holds(self, factors: Factors) -> bool:
         """Return whether these are still the factors to solve with, by their number."""
-        held = self._now.factors, self._factors
+        held = self._preconditioner.factors, self._factors
         return factors.number in {each.number for each in held if each is not None}
 
-    def _beside(self) -> Factors:
+    def _other_factors(self) -> Factors:
         """Return factors of the damage of now beside the preconditioner. Collective."""
         if self._factors is not None and not self.system.has_damage(self._factors.damage):
             self._factors.close()
@@ -178,8 +178,8 @@ class Equilibrium(Closing):
 
     def _release(self) -> None:
         """Let go of the preconditioner before another one takes its place and memory."""
-        if self._first is None or self._now.number != self._first.number:
-            self._now.close()
+        if self._first is None or self._preconditioner.number != self._first.number:
+            self._preconditioner.close()
         elif self._first.factors is not None:
             # What has softened since is not what softens in the next crack.
             self._first.factors.woodbury = None
@@ -192,12 +192,12 @@ class Equilibrium(Closing):
         in_vain, converged = self._try_half_cycle()
         if converged:
             return
-        iterations, reason = self._now.solve()
-        if reason < 0 and not self._now.is_current():
+        iterations, reason = self._preconditioner.solve()
+        if reason < 0 and not self._preconditioner.is_current():
             self.counters["refreshed"] += 1
             self.renew()
             self.system.start_from(start)
-            iterations, reason = self._now.solve()
+            iterations, reason = self._preconditioner.solve()
         if reason < 0:
             self.counters["direct"] += 1
             self.policy = self.policy.after_direct_solve()
@@ -206,17 +206,22 @@ class Equilibrium(Closing):
             return
         # Factors solve at once what they were made for, which is no measure of what follows.
         measures = (
-            self._now.factors is None or not self.policy.is_fresh or not self._now.is_current()
+            self._preconditioner.factors is None
+            or not self.policy.is_fresh
+            or not self._preconditioner.is_current()
         )
         self.policy = self.policy.after_whole_cycle(iterations, in_vain, measures)
-        tolerance = self._now.relative_tolerance
-        if self.policy.coarsens_too_much(iterations, tolerance) and self._now.may_coarsen_less:
+        tolerance = self._preconditioner.relative_tolerance
+        if (
+            self.policy.coarsens_too_much(iterations, tolerance)
+            and self._preconditioner.may_coarsen_less
+        ):
             self.policy = self.policy.to_coarsen_less()
 
     def _try_half_cycle(self) -> tuple[int, bool]:
         """Return the iterations with half the cycle, 0 without, and whether they did it."""
-        if not self.policy.takes_half_cycle or self._now.half_cycle is None:
+        if not self.policy.takes_half_cycle or self._preconditioner.half_cycle is None:
             return 0, False
-        iterations, converged = self._now.solve_by_half_cycle()
+        iterations, converged = self._preconditioner.solve_by_half_cycle()
         self.policy = self.policy.after_half_cycle(iterations, converged)
         return iterations, converged

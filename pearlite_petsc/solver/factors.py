@@ -17,11 +17,11 @@ class Factors(Closing):
     Attributes:
         number: Among all factors and preconditioners of an equilibrium, from 1.
         damage: That they were made for; (k,).
-        precondition: Whether they are also the preconditioner of the equilibrium's solves.
+        are_preconditioner: Whether they are also the preconditioner of the equilibrium's solves.
         woodbury: Corrects that preconditioner for what has softened since; None does not.
 
     Args:
-        number, damage, precondition: As above.
+        number, damage, are_preconditioner: As above.
         pc: The factors; closed with this.
         ghosts: Brings the unknowns of the ghosts.
     """
@@ -32,9 +32,9 @@ class Factors(Closing):
         damage: FloatArray,
         pc: PETSc.PC,
         ghosts: GhostExchange,
-        precondition: bool,
+        are_preconditioner: bool,
     ) -> None:
-        self.number, self.damage, self.precondition = number, damage, precondition
+        self.number, self.damage, self.are_preconditioner = number, damage, are_preconditioner
         self.woodbury: Woodbury | None = None
         self._pc, self._ghosts = pc, ghosts
         self._x, self._b = pc.getOperators()[0].createVecs()

@@ -13,7 +13,7 @@ class GhostExchange(Closing):
 
     Args:
         vector: A vector of the unknowns.
-        subdomain: This rank's subdomain.
+        subdomain: What this rank knows of the mesh.
     """
 
     def __init__(self, vector: PETSc.Vec, subdomain: Subdomain) -> None:

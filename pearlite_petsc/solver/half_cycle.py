@@ -9,8 +9,9 @@ from pearlite_petsc.solver.petsc import PETSc
 from pearlite_petsc.solver.reuse import MOST_HALF_CYCLES
 
 SUFFIX = "upward_"
+"""Of the options' prefix, after that of the other solver."""
 
-UPWARD = {
+FLEXIBLE_CG = {
     # The half cycle is not symmetric.
     "ksp_type": "fcg",
     "ksp_fcg_mmax": "1",
@@ -21,7 +22,7 @@ LEAST_TOLERANCE = 1e-7
 """Relative tolerance below which the whole cycle is as fast: its iterations keep their rate."""
 
 PATIENCE = 12
-"""Iterations from which it goes on at once where the rate so far would need more than the most.
+"""Iterations from which the whole cycle goes on at once where the rate so far needs more than that.
 
 Both together then stay below 40 iterations where the whole cycle alone takes up to 23.
 """
@@ -45,7 +46,7 @@ class HalfCycle(Closing):
         self._ksp = PETSc.KSP().create(ksp.comm)
         self._ksp.setOptionsPrefix(prefix + SUFFIX)
         self._ksp.setPC(ksp.getPC())
-        with prefixed_options(prefix + SUFFIX, UPWARD):
+        with prefixed_options(prefix + SUFFIX, FLEXIBLE_CG):
             self._ksp.setFromOptions()
         self._ksp.setInitialGuessNonzero(True)
 
@@ -93,8 +94,8 @@ def _until(target: float) -> Callable[[PETSc.KSP, int, float], int | None]:
         if iteration == 0:
             first = norm
         elif iteration >= PATIENCE:
-            share = log(first / norm) / log(first / target) if target > 0.0 else 0.0
-            if share < iteration / MOST_HALF_CYCLES:
+            progress = log(first / norm) / log(first / target) if target > 0.0 else 0.0
+            if progress < iteration / MOST_HALF_CYCLES:
                 return int(reasons.DIVERGED_MAX_IT)
         return None
 

@@ -12,14 +12,14 @@ from pearlite_petsc.solver.petsc import PETSc
 from pearlite_petsc.solver.subdomain import Subdomain
 
 GROUNDING = 3e-14
-"""Stiffness to ground of each unknown, as a share of its intact element's mean diagonal.
+"""Stiffness to ground of each unknown, as a fraction of its intact element's mean diagonal.
 
 Above what rounding leaves of a loose cluster's rigid motions, and far below every load: all together
 hold a body of 1e6 elements by 3e-8 of one diagonal, which lowers da/dN by 1e-6.
 """
 
 SUPPORT = 1e-2
-"""Stiffness of each of three supports, statically determinate, as a share of that diagonal.
+"""Stiffness of each of three supports, statically determinate, as a fraction of that diagonal.
 
 Of a load in balance they carry nothing but the resultant of the grounding. Held by the grounding
 alone, the rigid motions cost so little that a hierarchy must have them exactly; where GAMG drops
@@ -130,7 +130,7 @@ class StiffnessMatrix(Closing):
             row: Own element of each half-edge.
         """
         subdomain = self._subdomain
-        share = np.full((subdomain.owned_count, 3), GROUNDING)
+        fraction = np.full((subdomain.owned_count, 3), GROUNDING)
         x, y = subdomain.centre[: subdomain.owned_count].T
         # Lower left and lower right: a crack from the side comes there last.
         (_, left, *here), (_, right, *there) = (
@@ -139,10 +139,10 @@ class StiffnessMatrix(Closing):
         across = 0 if abs(here[1] - there[1]) > abs(here[0] - there[0]) else 1
         for element, component in ((left, 0), (left, 1), (right, across)):
             if subdomain.first_element <= element < subdomain.first_element + subdomain.owned_count:
-                share[element - subdomain.first_element, component] += SUPPORT
+                fraction[element - subdomain.first_element, component] += SUPPORT
         trace = np.trace(self._own_blocks, axis1=2, axis2=3)[self._interface, self._side]
         diagonal = np.bincount(row, trace, subdomain.owned_count) / 3.0
-        return np.asarray(share * diagonal[:, None])
+        return np.asarray(fraction * diagonal[:, None])
 
     def _lowest(self, comm: MPI.Comm, score: FloatArray) -> tuple[float, int, float, float]:
         """Return least score of all elements, its element's number and centre. Collective."""

@@ -7,11 +7,11 @@ from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.solver.subdomain import Subdomain
 
 
-def places_here(subdomain: Subdomain, numbers: IntArray) -> tuple[IntArray, IntArray]:
+def local_interfaces(subdomain: Subdomain, numbers: IntArray) -> tuple[IntArray, IntArray]:
     """Return which of some interfaces a rank has, and their local numbers.
 
     Args:
-        subdomain: The rank's subdomain.
+        subdomain: What the rank knows of the mesh.
         numbers: Global ones; (a,).
     """
     place = np.minimum(
@@ -21,14 +21,14 @@ def places_here(subdomain: Subdomain, numbers: IntArray) -> tuple[IntArray, IntA
     return row, place[row]
 
 
-def places_owned(subdomain: Subdomain, numbers: IntArray) -> tuple[IntArray, IntArray]:
+def owned_interfaces(subdomain: Subdomain, numbers: IntArray) -> tuple[IntArray, IntArray]:
     """Return which of some interfaces a rank owns, and their local numbers.
 
     Args:
-        subdomain: The rank's subdomain.
+        subdomain: What the rank knows of the mesh.
         numbers: Global ones; (a,).
     """
-    row, place = places_here(subdomain, numbers)
+    row, place = local_interfaces(subdomain, numbers)
     mine = subdomain.interface_elements[place, 0] < subdomain.owned_count
     return row[mine], place[mine]
 
@@ -40,11 +40,11 @@ def from_owners(
 
     Args:
         comm: The ranks.
-        subdomain: This rank's subdomain.
+        subdomain: What this rank knows of the mesh.
         numbers: Global ones, the same on all ranks; (a,).
         values: Of the subdomain's interfaces; (k, ...).
     """
-    row, place = places_owned(subdomain, numbers)
+    row, place = owned_interfaces(subdomain, numbers)
     found = np.zeros((len(numbers), *values.shape[1:]))
     found[row] = values[place]
     if comm.size > 1:

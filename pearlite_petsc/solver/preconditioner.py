@@ -61,7 +61,7 @@ class Preconditioner(Closing):
         self.factors: Factors | None = None
         if is_factors:
             pc = ksp.getPC()
-            self.factors = Factors(number, self.damage, pc, system.ghosts, precondition=True)
+            self.factors = Factors(number, self.damage, pc, system.ghosts, are_preconditioner=True)
         allowed = allows_half_cycle(ksp, PREFIX, tolerance)
         self.half_cycle = HalfCycle(ksp, PREFIX) if allowed else None
 
@@ -181,7 +181,7 @@ class PreconditionerMaker:
         pc = ksp.getPC()
         ksp.destroy()
         self._made += 1
-        return Factors(self._made, system.damage, pc, system.ghosts, precondition=False)
+        return Factors(self._made, system.damage, pc, system.ghosts, are_preconditioner=False)
 
     def _of(
         self, settings: Mapping[str, str], prefix: str = PREFIX, factors: bool = False

@@ -17,7 +17,7 @@ class LinearSystem(Closing):
 
     Attributes:
         comm: The ranks.
-        subdomain: This rank's subdomain.
+        subdomain: What this rank knows of the mesh.
         operator: B of its interfaces; (k, 3, 6).
         damage: Of its interfaces, read-only; (k,).
         matrix: K of that damage.

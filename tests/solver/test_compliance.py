@@ -53,7 +53,7 @@ def test_compliance_and_response_are_those_of_dense_algebra(method: str) -> None
     damage[chosen] = [1.0, 0.6, 0.0, 0.3, 0.9, 0.05]
     load = domain.load(12e3, PREPARED.mesh.notch)
     response = compliance.response([load])
-    found, pulled = compliance.now(chosen[1:4], damage, response)
+    found, pulled = compliance.at(chosen[1:4], damage, response)
     domain.equilibrium.update(damage)
     matrix, rows = dense(domain)
     some = rows[chosen[1:4]].reshape(9, -1)
@@ -77,11 +77,11 @@ def test_what_is_taken_in_the_same_batches_has_the_same_bits() -> None:
         compliance.add(chosen[:3])
         compliance.add(chosen)
         assert compliance.batch.tolist() == [0, 0, 0, 1, 1]
-        found.append(compliance.now(chosen, domain.damage, empty)[0])
+        found.append(compliance.at(chosen, domain.damage, empty)[0])
     assert np.array_equal(*found)
     compliance = Compliance(domain.equilibrium, domain.damage)
     compliance.add(chosen)
-    at_once, _ = compliance.now(chosen, domain.damage, empty)
+    at_once, _ = compliance.at(chosen, domain.damage, empty)
     assert np.abs(at_once - found[0]).max() < 1e-9 * np.abs(at_once).max()
     assert np.abs(at_once - at_once.T).max() < 1e-9 * np.abs(at_once).max()
     domain.close()
@@ -112,14 +112,14 @@ def test_large_bodies_are_solved_for_in_small_batches(monkeypatch: pytest.Monkey
     compliance = Compliance(domain.equilibrium, domain.damage)
     empty = np.empty((len(domain.damage), 3, 0))
     compliance.add(chosen)
-    at_once, _ = compliance.now(chosen, domain.damage, empty)
+    at_once, _ = compliance.at(chosen, domain.damage, empty)
     compliance = Compliance(domain.equilibrium, domain.damage)
     monkeypatch.setattr(
         "pearlite_petsc.solver.compliance.MOST_AT_ONCE", 18 * domain.subdomain.element_count
     )
     compliance.add(chosen)
     assert compliance.batch.tolist() == [0, 0, 1, 1, 2]
-    in_batches, _ = compliance.now(chosen, domain.damage, empty)
+    in_batches, _ = compliance.at(chosen, domain.damage, empty)
     assert np.abs(in_batches - at_once).max() < 1e-9 * np.abs(at_once).max()
     domain.close()
 

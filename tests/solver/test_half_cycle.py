@@ -81,7 +81,9 @@ def test_solves_after_a_break_take_half_the_cycle_and_are_right() -> None:
             assert 0 < equilibrium.counters["iterations"] - before <= 40
         assert equilibrium.counters["upward"] == 3
         assert "symmetric_again" not in equilibrium.counters
-        assert equilibrium._now._ksp.getPC().getMGType() == PETSc.PC.MGType.MULTIPLICATIVE
+        assert (
+            equilibrium._preconditioner._ksp.getPC().getMGType() == PETSc.PC.MGType.MULTIPLICATIVE
+        )
     exact = statics.solve(NOTCHED, spring_stiffness(NOTCHED, STEEL), damage == 1.0, PULL)
     error = np.abs(found - exact.traction)[damage < 1.0].max()
     assert error < 1e-3 * np.abs(exact.traction).max()
@@ -94,7 +96,7 @@ def test_half_a_cycle_that_stalls_gives_way_early_and_for_the_rest_of_the_hierar
         assert equilibrium.counters["symmetric_again"] == 1
         assert not {"upward", "refreshed", "direct"} & {*equilibrium.counters}
         load = forces(RANDOM, equilibrium)
-        system, half_cycle = equilibrium.system, equilibrium._now.half_cycle
+        system, half_cycle = equilibrium.system, equilibrium._preconditioner.half_cycle
         assert half_cycle is not None
         system.x.set(0.0)
         iterations, converged = half_cycle.solve(system.b, system.x)

@@ -39,14 +39,14 @@ def test_broken_interfaces_add_nothing_and_leave_the_ground_and_three_supports()
             if damage.any():
                 assert not values[rows != columns].any()
             held.append(values[rows == columns].reshape(-1, 3))
-    share = held[0] / held[1].mean(axis=1, keepdims=True)
-    supports = np.argwhere(share > 0.5 * matrix.SUPPORT)
+    fraction = held[0] / held[1].mean(axis=1, keepdims=True)
+    supports = np.argwhere(fraction > 0.5 * matrix.SUPPORT)
     x, y = RANDOM.centre.T
     left, right = np.argmin(x + y), np.argmin(y - x)
     assert sorted(supports.tolist()) == sorted([[left, 0], [left, 1], [right, 1]])
-    assert share[tuple(supports.T)] == pytest.approx(matrix.SUPPORT, rel=0.01)
-    share[tuple(supports.T)] = matrix.GROUNDING
-    assert share == pytest.approx(matrix.GROUNDING, rel=0.01)
+    assert fraction[tuple(supports.T)] == pytest.approx(matrix.SUPPORT, rel=0.01)
+    fraction[tuple(supports.T)] = matrix.GROUNDING
+    assert fraction == pytest.approx(matrix.GROUNDING, rel=0.01)
 
 
 def test_values_are_the_sum_of_the_springs_of_all_interfaces() -> None:
