@@ -106,4 +106,4 @@ class FieldObserver:
         """Remove files that were not finished."""
         series, self._series = self._series, None
         if series is not None:
-            series.__exit__(RuntimeError, None, None)
+            series.abandon()

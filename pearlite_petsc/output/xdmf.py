@@ -113,8 +113,7 @@ class FieldSeries:
         if kind is None:
             self.close()
         else:
-            self._elements.abandon()
-            self._interfaces.abandon()
+            self.abandon()
 
     def add(self, state: GrowthState) -> None:
         """Take the next state; cycles must not fall."""
@@ -130,6 +129,11 @@ class FieldSeries:
             self._pending = None
         self._elements.close()
         self._interfaces.close()
+
+    def abandon(self) -> None:
+        """Remove what was written so far."""
+        self._elements.abandon()
+        self._interfaces.abandon()
 
     def _write(self, state: GrowthState) -> None:
         mesh = state.mesh
