@@ -90,28 +90,49 @@ def shares_by_cut(facets: Facets, label_map: LabelMap) -> FloatArray:
     rest = np.flatnonzero(~in_one_colony)
     grain = facets.labels[0][facets.pairs[rest, 0]]
     known_grain = np.repeat(np.where(in_one_grain[rest], grain, -1), SAMPLES)
-    sides = [label_map.labels(points, known_grain) for points in _beside(facets, rest)]
-    normal = np.repeat(facets.normal[rest], SAMPLES, axis=0)
-    level, across = label_map.boundaries(*sides)
-    runs_along = np.abs((normal * across).sum(axis=1)) > STEEP
-    row = np.repeat(np.arange(len(rest)), SAMPLES) * shares.shape[1]
-    found = np.zeros((len(rest), shares.shape[1]), dtype=np.int64)
-    for side in sides:
-        cuts = _cuts(normal, label_map.lamella_angle[side[2]])
-        kind = np.where(runs_along, Kind.PRIOR_AUSTENITE_GRAIN - level, cuts)
-        found += np.bincount(row + kind, minlength=found.size).reshape(found.shape)
-    shares[rest] = found / (2 * SAMPLES)
+    start, end = facets.vertices[facets.ends[rest]].transpose(1, 0, 2)
+    reach = 0.5 * REACH * facets.spacing[rest]
+    shares[rest] = shares_along(label_map, start, end, facets.normal[rest], reach, known_grain)
     return shares
 
 
-def _beside(facets: Facets, chosen: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Return places on the first and on the second side of some facets [um]; (SAMPLES c, 2) each."""
-    start, end = facets.vertices[facets.ends[chosen]].transpose(1, 0, 2)
+def shares_along(
+    label_map: LabelMap,
+    start: FloatArray,
+    end: FloatArray,
+    normal: FloatArray,
+    reach: FloatArray,
+    known_grain: IntArray | None = None,
+) -> FloatArray:
+    """Return which share of lines through a microstructure is of which kind.
+
+    Args:
+        label_map: The microstructure.
+        start, end: Of the lines [um]; (k, 2).
+        normal: Unit normals; (k, 2).
+        reach: How far to each side a boundary is looked for [um]; (k,).
+        known_grain: Grain at each of the places looked up, -1 where unknown; (SAMPLES k,).
+
+    Returns:
+        A column for each value of `Kind`, the notch aside; (k, 5).
+    """
     share = ((np.arange(SAMPLES) + 0.5) / SAMPLES)[:, None]
     places = start[:, None] + share * (end - start)[:, None]
-    step = (0.5 * REACH * facets.spacing[chosen])[:, None] * facets.normal[chosen]
-    first, second = places - step[:, None], places + step[:, None]
-    return first.reshape(-1, 2), second.reshape(-1, 2)
+    step = (reach[:, None] * normal)[:, None]
+    sides = [
+        label_map.labels((places + sign * step).reshape(-1, 2), known_grain) for sign in (-1, 1)
+    ]
+    normals = np.repeat(normal, SAMPLES, axis=0)
+    level, across = label_map.boundaries(*sides)
+    runs_along = np.abs((normals * across).sum(axis=1)) > STEEP
+    count, kinds = len(start), int(Kind.NOTCH)
+    row = np.repeat(np.arange(count), SAMPLES) * kinds
+    found = np.zeros(count * kinds, dtype=np.int64)
+    for side in sides:
+        cuts = _cuts(normals, label_map.lamella_angle[side[2]])
+        kind = np.where(runs_along, Kind.PRIOR_AUSTENITE_GRAIN - level, cuts)
+        found += np.bincount(row + kind, minlength=len(found))
+    return found.reshape(count, kinds) / (2 * SAMPLES)
 
 
 def _are_one(*labels: IntArray) -> BoolArray:
