@@ -16,6 +16,7 @@ CMD ["test"]
 FROM base AS app
 COPY LICENSE CITATION.cff ./
 COPY runs runs
+COPY meshes meshes
 COPY pearlite_petsc pearlite_petsc
 RUN ./pearlite.sh exec python -m compileall -q pearlite_petsc && mkdir -m 1777 /work
 WORKDIR /work

@@ -1,10 +1,9 @@
-"""Command: one mesh of a scene as an HDF5 file.
+"""Command: one mesh of a scene as an HDF5 file, with an XDMF file for ParaView beside it.
 
-``pearlite mesh SCENE.toml --state NAME --index I --output FILE.h5``
+``pearlite mesh SCENE.toml [--state NAME] [--index I] [--output FILE.h5]``
 """
 
 import argparse
-import difflib
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,16 +14,24 @@ from pearlite_petsc.command_line import (
     add_set_option,
     complain,
 )
-from pearlite_petsc.config import load_scene, scene_to_toml
+from pearlite_petsc.config import load_scene, scene_to_toml, state_named
 from pearlite_petsc.errors import PearliteError, SceneError
 from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.microstructure.cells import equivalent_diameters
 from pearlite_petsc.output.mesh_file import write_mesh
+from pearlite_petsc.output.mesh_xdmf import write_mesh_xdmf
 from pearlite_petsc.scene import Scene, State
 from pearlite_petsc.tessellation.build import Substrate, prepare, tessellate
 from pearlite_petsc.tessellation.mesh import Mesh
 from pearlite_petsc.tessellation.quality import PERCENTILES, quality
 from pearlite_petsc.tessellation.zone import initial_zone
+
+_EXAMPLES = """examples:
+  pearlite mesh meshes/severe_AT.toml --index 2
+  pearlite mesh runs/quickstart.toml --state severe_AT --output severe_AT_m0.h5
+
+ParaView opens the .xdmf beside the .h5 (reader "XDMF Reader").
+"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -35,15 +42,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         state = _state(scene, options.scene, options.state)
         if options.index < 0:
             raise SceneError(f"--index {options.index} is negative")
-        if options.output.exists() and not options.overwrite:
-            raise SceneError(f"{options.output} exists; --overwrite replaces it")
+        name = f"{state.name}_m{options.index}.h5"
+        output = options.output or options.scene.with_name(name)
+        if output.suffix not in (".h5", ".hdf5"):
+            raise SceneError(f"--output {output}: a mesh is an HDF5 file, such as {name}")
+        for path in (output, output.with_suffix(".xdmf")):
+            if path.exists() and not options.overwrite:
+                raise SceneError(f"{path} exists; --overwrite replaces it")
         substrate = prepare(scene, state, options.index)
         mesh = tessellate(substrate, initial_zone(scene))
-        write_mesh(options.output, mesh, scene_to_toml(scene))
+        write_mesh(output, mesh, scene_to_toml(scene))
+        shown = write_mesh_xdmf(output)
     except (PearliteError, OSError) as error:
         complain(str(error))
         return ExitStatus.BAD_INPUT
-    sys.stdout.write(f"{summary(scene, substrate, mesh)}\nwrote {options.output}\n")
+    sys.stdout.write(f"{summary(scene, substrate, mesh)}\nwrote {output}\nwrote {shown}\n")
     return ExitStatus.DONE
 
 
@@ -80,28 +93,33 @@ def summary(scene: Scene, substrate: Substrate, mesh: Mesh) -> str:
     return "\n".join(lines)
 
 
-def _state(scene: Scene, path: Path, name: str) -> State:
-    known = {state.name: state for state in scene.states}
-    if name not in known:
-        close = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean {close[0]}?" if close else f"known: {', '.join(known)}"
-        raise SceneError(f"{path}: state {name} is unknown, {hint}")
-    return known[name]
+def _state(scene: Scene, path: Path, name: str | None) -> State:
+    if name is not None:
+        return state_named(scene, name)
+    if len(scene.states) > 1:
+        known = ", ".join(state.name for state in scene.states)
+        raise SceneError(f"{path}: has {len(scene.states)} states, choose by --state: {known}")
+    return scene.states[0]
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = CommandParser(
         "mesh",
         "Make one mesh of a scene: microstructure, elements, interfaces.",
-        "example: pearlite mesh runs/quickstart.toml --state severe_AT --index 0 "
-        "--output meshes/severe_AT_m0.h5",
+        _EXAMPLES,
     )
     parser.add_argument("scene", type=Path, help="scene (TOML)")
-    parser.add_argument("--state", required=True, help="name of a state of the scene")
-    parser.add_argument("--index", required=True, type=int, help="number of the mesh, from 0")
-    add_output_option(parser, "HDF5 file to write", metavar="FILE.h5")
+    parser.add_argument("--state", metavar="NAME", help="state; not needed if there is only one")
+    parser.add_argument(
+        "--index", type=int, default=0, metavar="I", help="number of the mesh, from 0; default 0"
+    )
+    add_output_option(
+        parser,
+        "HDF5 file to write; default <state>_m<index>.h5 beside the scene",
+        metavar="FILE.h5",
+    )
     add_set_option(parser)
-    parser.add_argument("--overwrite", action="store_true", help="replace an existing file")
+    parser.add_argument("--overwrite", action="store_true", help="replace existing files")
     return parser
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from pearlite_petsc.arrays import IntArray
 from pearlite_petsc.errors import MeshError
 from pearlite_petsc.output.safe_stream import hdf5_file
 from pearlite_petsc.output.whole_file import whole_file
@@ -51,6 +52,9 @@ _DATASETS: dict[str, tuple[str, str, str]] = {
     "boundary_vertices": ("boundary/vertices", "1", "end vertices, counter-clockwise"),
 }
 
+POLYGONS = "elements/xdmf_polygons"
+"""The polygons once more, as XDMF wants them: 3 (a polygon), number of corners, corners."""
+
 
 def write_mesh(path: Path, mesh: Mesh, scene_text: str) -> None:
     """Write a mesh; the file appears whole and replaces an older one.
@@ -72,6 +76,15 @@ def write_mesh(path: Path, mesh: Mesh, scene_text: str) -> None:
             dataset = file.create_dataset(name, data=getattr(mesh, field))
             dataset.attrs["unit"] = unit
             dataset.attrs["description"] = description
+        polygons = file.create_dataset(POLYGONS, data=_xdmf_polygons(mesh))
+        polygons.attrs["unit"] = "1"
+        polygons.attrs["description"] = "of each polygon 3, number of corners, corners; for XDMF"
+
+
+def _xdmf_polygons(mesh: Mesh) -> IntArray:
+    corners = np.diff(mesh.offsets)
+    heads = np.column_stack([np.full(len(corners), 3, dtype=np.int64), corners])
+    return np.insert(mesh.vertex_indices, np.repeat(mesh.offsets[:-1], 2), heads.ravel())
 
 
 def read_mesh(path: Path) -> Mesh:

@@ -7,7 +7,7 @@ Every ``sh`` and ``python`` block has a line before it that says how it is teste
 ``<!-- test: slow -->``             as they stand, with ``--slow``
 ``<!-- test: not run; reason -->``  not here; few, each with its reason
 
-Shell blocks of one page run in order, in one folder that holds a copy of ``runs/``; Python blocks
+Shell blocks of one page run in order, in one folder that holds copies of ``runs/`` and ``meshes/``; Python blocks
 of one page are one script, which runs in such a folder after the page's runs.
 """
 
@@ -16,7 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+PAGES = (
+    ROOT / "README.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+    ROOT / "meshes" / "README.md",
+)
 MODES = ("verbatim", "quick", "slow", "not run")
 
 _MODE = re.compile(r"<!-- test: ([a-z ]+?)(?:; (.+))? -->")

@@ -62,11 +62,11 @@ def environment() -> dict[str, str]:
 
 def checkout(folder: Path) -> Path:
     """Make a folder in which a reader could follow a page."""
-    scenes = folder / "runs"
-    scenes.mkdir()
-    for file in (ROOT / "runs").iterdir():
-        if file.is_file():
-            shutil.copy(file, scenes)
+    for name, pattern in (("runs", "*.*"), ("meshes", "*.toml")):
+        (folder / name).mkdir()
+        for file in (ROOT / name).glob(pattern):
+            if file.is_file():
+                shutil.copy(file, folder / name)
     (folder / "pearlite.sh").write_text(STAND_IN)
     (folder / "pearlite.sh").chmod(0o755)
     return folder
@@ -105,14 +105,14 @@ def geometric_means(table: Path) -> list[str]:
     return lines
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_every_block_says_how_it_is_tested(page: Path) -> None:
     for block in [*blocks(page), *blocks(page, "python")]:
         assert block.mode in MODES, f"{block.page}:{block.line} has no <!-- test: ... --> before it"
         assert bool(block.reason) == (block.mode == "not run"), f"{block.page}:{block.line}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_the_commands_of_a_page_work_one_after_the_other(page: Path, tmp_path: Path) -> None:
     chosen = [block for block in blocks(page) if block.mode in ("verbatim", "quick")]
     if not chosen:
@@ -128,7 +128,7 @@ def test_the_commands_of_a_page_work_one_after_the_other(page: Path, tmp_path: P
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_the_long_commands_of_a_page_work(page: Path, tmp_path: Path) -> None:
     chosen = [block for block in blocks(page) if block.mode == "slow"]
     if not chosen:

@@ -78,10 +78,10 @@ def test_every_stop_reason_is_described() -> None:
 
 
 def test_every_dataset_of_the_mesh_file_is_described() -> None:
-    from pearlite_petsc.output.mesh_file import _DATASETS
+    from pearlite_petsc.output.mesh_file import _DATASETS, POLYGONS
 
     described = datasets("## Mesh file")
-    assert described == {f"/{name}" for name, _, _ in _DATASETS.values()}
+    assert described == {f"/{name}" for name, _, _ in _DATASETS.values()} | {f"/{POLYGONS}"}
 
 
 def test_every_dataset_of_results_and_fields_is_described(tmp_path: Path) -> None:

@@ -5,14 +5,12 @@ import numpy as np
 import pytest
 
 from pearlite_petsc.errors import MeshError
-from pearlite_petsc.mesh import main
 from pearlite_petsc.output.mesh_file import read_mesh, read_recipe, write_mesh
 from pearlite_petsc.tessellation.build import build_mesh
 from pearlite_petsc.tessellation.mesh import Mesh
 from tests.scenes import STATES, default_scene
 
 OLD = Path(__file__).parent / "version_0_1_0" / "mesh.h5"
-SCENE_FILE = str(Path(__file__).parents[2] / "runs" / "quickstart.toml")
 
 
 def small() -> Mesh:
@@ -97,53 +95,3 @@ def test_missing_truncated_and_foreign_files_are_refused_with_their_name(tmp_pat
         file.attrs["format_version"] = 99
     with pytest.raises(MeshError, match="format 99 is not 2"):
         read_mesh(whole)
-
-
-def run(tmp_path: Path, *extra: str, state: str = "severe_AT", index: str = "1") -> int:
-    output = str(tmp_path / "mesh.h5")
-    arguments = [SCENE_FILE, "--state", state, "--index", index, "--output", output]
-    return main([*arguments, *extra])
-
-
-def test_the_command_writes_the_mesh_that_the_scene_gives(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(tmp_path) == 0
-    mesh = read_mesh(tmp_path / "mesh.h5")
-    assert (mesh.state, mesh.index) == ("severe_AT", 1)
-    assert "severe_AT" in read_recipe(tmp_path / "mesh.h5")
-    text = capsys.readouterr().out
-    for words in ("prior austenite grain", "target", f"elements {mesh.element_count}", "notch tip"):
-        assert words in text
-    assert text.splitlines()[-1] == f"wrote {tmp_path / 'mesh.h5'}"
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"state": "sever_AT"}, "did you mean severe_AT"),
-        ({"index": "-1"}, "-1 is negative"),
-    ],
-)
-def test_the_command_refuses_bad_input_with_one_message(
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    changes: dict[str, str],
-    message: str,
-) -> None:
-    assert run(tmp_path, **changes) == 2
-    captured = capsys.readouterr()
-    assert message in captured.err
-    assert captured.err.count("\n") == 1
-    assert not list(tmp_path.iterdir())
-
-
-def test_the_command_replaces_a_file_only_when_told(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "mesh.h5").write_text("mine")
-    assert run(tmp_path) == 2
-    assert "--overwrite" in capsys.readouterr().err
-    assert (tmp_path / "mesh.h5").read_text() == "mine"
-    assert run(tmp_path, "--overwrite") == 0
-    assert read_mesh(tmp_path / "mesh.h5").state == "severe_AT"
