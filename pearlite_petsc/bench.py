@@ -26,6 +26,7 @@ from pearlite_petsc.world import world
 SUBCOMMANDS = {
     "pareto": "speed against accuracy of cracks, one choice at a time",
     "widths": "da/dN over the width of the elements, the same microstructures",
+    "meshes": "meshes by the thousand, whether one fails",
     "means": "geometric means over twenty meshes a state against the fine reference",
     "lefm": "speed against accuracy of K, with finite elements beside",
     "solver": "iterations, time and memory of the solver, other solvers beside",
