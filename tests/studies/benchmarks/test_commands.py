@@ -44,7 +44,7 @@ def test_no_mesh_of_a_few_fails_and_a_second_call_makes_none_again(tmp_path: Pat
     assert main(["meshes", "--quick", "--output", str(tmp_path)]) == 0
     found = rows(tmp_path / "meshes.csv")
     assert [row["meshes"] for row in found] == ["3"] * 5
-    assert all(row["failed"] == "0" and float(row["notch_error_um"]) < 4.0 for row in found)
+    assert all(row["failed"] == "0" and float(row["notch_error_um"]) < 8.0 for row in found)
     assert main(["meshes", "--quick", "--output", str(tmp_path)]) == 0
     assert rows(tmp_path / "meshes.csv") == found
 
