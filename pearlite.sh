@@ -42,6 +42,23 @@ fail() {
     exit "${2:-1}"
 }
 
+# "stop" ends with one line; what it comes into is healed by the next call.
+on_stop() {
+    trap '' INT TERM
+    [ -z "$child" ] || kill "$child" 2>/dev/null || true
+    fail "stopped; the next call begins again where it has to" 130
+}
+
+# Runs a command that would answer Ctrl-C with a traceback: in the background it does not get it.
+quietly_stopped() {
+    "$@" &
+    child=$!
+    code=0
+    wait "$child" || code=$?
+    child=
+    return "$code"
+}
+
 say() {
     printf 'pearlite.sh: %s\n' "$*" >&2
 }
@@ -129,6 +146,15 @@ missing_packages() {
     done
 }
 
+# Fails where sudo would ask for a password that nobody can type.
+check_sudo() {
+    [ "$(id -u)" -ne 0 ] || return 0
+    command -v sudo >/dev/null || fail "needs root or sudo to install: $1"
+    if ! sudo -n true 2>/dev/null && ! (: </dev/tty) 2>/dev/null; then
+        fail "sudo wants a password and there is no terminal to type it; call 'sudo -v' before, or as root: apt-get install --no-install-recommends $1"
+    fi
+}
+
 as_root() {
     if [ "$(id -u)" -eq 0 ]; then
         env DEBIAN_FRONTEND=noninteractive "$@"
@@ -141,6 +167,13 @@ candidate() {
     apt-cache policy "$1" | sed -n 's/^  Candidate: \([0-9].*\)/\1/p'
 }
 
+# What apt-get says of the size before it asks whether to go on; the answer here is no.
+say_size() {
+    { as_root env LC_ALL=C apt-get --no-install-recommends --assume-no install "$@" 2>/dev/null ||
+        true; } | grep -E '^(Need to get|After this operation)' |
+        while read -r line; do say "$line"; done || true
+}
+
 install_packages() {
     if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
         fail "this is no Debian or Ubuntu: install what corresponds to $(echo "$packages" | paste -s -d ' '), or build PETSc with petsc4py, set PETSC_DIR (and PETSC_ARCH), and call again or use 'pip install .'"
@@ -148,17 +181,18 @@ install_packages() {
     # shellcheck disable=SC2086 # lists of words
     missing=$(missing_packages $packages)
     if [ -n "$missing" ]; then
-        if [ "$(id -u)" -ne 0 ] && ! command -v sudo >/dev/null; then
-            fail "needs root or sudo to install: ${missing% }"
-        fi
-        say "installing packages of the distribution"
-        if [ -n "$(dpkg --audit)" ]; then
-            as_root dpkg --configure -a
+        check_sudo "${missing% }"
+        say "installing $(echo "$missing" | wc -w) packages of the distribution and what they need"
+        # Left behind by an apt-get that was interrupted.
+        if [ -n "$(as_root dpkg --audit)" ]; then
+            as_root dpkg --configure -a >&2 || fail "dpkg --configure -a failed: see above"
         fi
         as_root apt-get -q -q update || fail "apt-get update failed"
         if dpkg --compare-versions "$(candidate python3-shapely)" ge 2; then
             missing="$missing $modern_packages"
         fi
+        # shellcheck disable=SC2086
+        say_size $missing
         # shellcheck disable=SC2086
         as_root apt-get -q -q -y --no-install-recommends -o DPkg::Lock::Timeout=300 \
             -o Dpkg::Use-Pty=0 install $missing >&2 || fail "apt-get could not install: $missing"
@@ -209,9 +243,32 @@ pip_install() {
     requirements "$@" >"$into/requirements.txt"
     # As a variable the constraints hold for what packages are built with, too; without a folder,
     # because pip would split its name at spaces.
-    (cd "$into" && PIP_CONSTRAINT=constraints.txt PYTHONPATH='' bin/python -m pip install --quiet \
-        --no-input --disable-pip-version-check --prefer-binary -r requirements.txt >&2) ||
-        fail "pip could not install the packages named in pyproject.toml"
+    quietly_stopped env -C "$into" PIP_CONSTRAINT=constraints.txt PYTHONPATH='' bin/python -m pip \
+        install --quiet --no-input --disable-pip-version-check --prefer-binary \
+        -r requirements.txt >&2 || fail "pip could not install the packages named in pyproject.toml"
+}
+
+# make_venv FOLDER [OPTIONS]
+make_venv() {
+    folder=$1
+    shift
+    quietly_stopped "$python" -m venv --clear "$@" "$folder" || fail "could not make $folder"
+}
+
+# What makes the environment work by itself, after ". .venv/bin/activate": the program, the
+# distribution's petsc4py, one thread a rank, and the command pearlite.
+make_independent() {
+    for site in "$venv"/lib/python3*/site-packages; do
+        {
+            echo "$root"
+            [ -n "$own_petsc" ] || echo "$PETSC_DIR/lib/python3/dist-packages"
+            echo "import os; [os.environ.setdefault(f'{n}_NUM_THREADS', '1') for n in ('OMP', 'OPENBLAS')]"
+        } >"$site/pearlite.pth"
+    done
+    # shellcheck disable=SC2016
+    printf '#!/bin/sh\nexec "$(dirname -- "$(readlink -f -- "$0")")/python" -m pearlite_petsc "$@"\n' \
+        >"$venv/bin/pearlite"
+    chmod +x "$venv/bin/pearlite"
 }
 
 make_environment() {
@@ -221,10 +278,10 @@ make_environment() {
     if [ "$(cat "$venv/made-from" 2>/dev/null)" != "$(fingerprint)" ] || [ -e "$venv/unfinished" ]; then
         say "making the virtual environment .venv"
         if [ -n "$own_petsc" ]; then
-            "$python" -m venv --clear "$venv"
+            make_venv "$venv"
         else
-            "$python" -m venv --clear --system-site-packages "$venv"
-        fi || fail "could not make $venv"
+            make_venv "$venv" --system-site-packages
+        fi
     fi
     : >"$venv/unfinished"
     left_out=$packaged
@@ -238,20 +295,21 @@ make_environment() {
     constraints >"$venv/constraints.txt"
     say "installing the Python packages that the distribution lacks"
     if [ "$1" = test ]; then
-        pip_install "$venv" "$left_out" run dev bench
+        pip_install "$venv" "$left_out" run petsc dev bench
         # Types of numpy differ from version to version: the type checker sees the same one
         # everywhere, in an environment of its own.
-        "$python" -m venv --clear "$venv/types" || fail "could not make $venv/types"
+        make_venv "$venv/types"
         : >"$venv/types/constraints.txt"
         pip_install "$venv/types" '' types
         ln -sf "$venv/types/bin/mypy" "$venv/bin/mypy"
     else
-        pip_install "$venv" "$left_out" run
+        pip_install "$venv" "$left_out" run petsc
     fi
     if [ -z "$own_petsc" ]; then
         # MPICH's mpirun, if it is the system's first, cannot start the distribution's petsc4py.
         ln -sf "$(command -v /usr/bin/mpirun.openmpi || echo /usr/bin/mpirun)" "$venv/bin/mpirun"
     fi
+    make_independent
     python -c '
 import h5py, matplotlib, meshio, mpi4py, numpy, scipy, shapely
 from petsc4py import PETSc
@@ -267,7 +325,11 @@ set_up() {
     if is_set_up "$1" || { [ "$1" = run ] && is_set_up test; }; then
         return
     fi
-    [ -w "$root" ] || fail "$root is not set up and not writable: call ./pearlite.sh setup as its owner"
+    what="setup"
+    [ "$1" = run ] || what="setup $1"
+    [ -w "$root" ] || fail "$root is not writable and not set up for '$1': call ./pearlite.sh $what as its owner"
+    child=
+    trap on_stop INT TERM
     exec 9<"$root"
     flock 9
     if ! is_set_up "$1"; then
@@ -275,6 +337,28 @@ set_up() {
         make_environment "$1"
     fi
     exec 9<&-
+    trap - INT TERM
+}
+
+# What needs no environment is answered before one is made: --help, --version, a wrong option.
+check_options() {
+    wanted=check
+    for word; do
+        case $word in
+            --) break ;;
+            -h | --help | --version) wanted=answer ;;
+        esac
+    done
+    [ "$wanted" = answer ] || ! is_set_up run || return 0
+    for found in "$venv/bin/python" "$python"; do
+        if "$found" -I -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+            PYTHONPATH=$root "$found" -B -m pearlite_petsc.run_options "$@" || exit
+            [ "$wanted" = check ] || exit 0
+            return 0
+        fi
+    done
+    [ "$wanted" = check ] ||
+        fail "Python is not installed yet: ./pearlite.sh setup installs it; docs/reference.md lists the options"
 }
 
 cores() {
@@ -348,6 +432,7 @@ find_petsc
 set_environment
 case $command in
     run)
+        check_options "$@"
         set_up run
         exec python -m pearlite_petsc.run --ranks "$number" "$@"
         ;;

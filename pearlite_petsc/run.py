@@ -15,9 +15,6 @@ from time import monotonic
 
 import pearlite_petsc
 from pearlite_petsc.command_line import (
-    CommandParser,
-    add_output_option,
-    add_set_option,
     complain,
     expected_ranks,
     given_arguments,
@@ -32,40 +29,25 @@ from pearlite_petsc.errors import PearliteError, SceneError
 from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.launch.channel import Channel
 from pearlite_petsc.launch.display import Screen, Standing, display_of_rank, started_by_mpi
-from pearlite_petsc.launch.mpirun import launch_run, missing_modules
+from pearlite_petsc.launch.libraries import missing_libraries, unusable_library
+from pearlite_petsc.launch.mpirun import launch_run
 from pearlite_petsc.output.experiment import KEPT, Experiment, parse_experiment, read_experiment
 from pearlite_petsc.output.results import read_results
+from pearlite_petsc.run_options import parse_run
 from pearlite_petsc.scene import Scene
 from pearlite_petsc.world import world
-
-_EXAMPLES = """examples:
-  pearlite run --ranks 2                           the quickstart on two ranks
-  pearlite run --ranks 8 runs/paper.toml --resume
-  pearlite run runs/first_curve.toml --set loading.delta_k_mpa_sqrt_m=[10,20] --dry-run
-  pearlite run runs/quickstart/results.h5 --output runs/again
-  pearlite run runs/first_curve.toml --overwrite -- -log_view -ksp_type cg -pc_type cholesky
-  mpirun -n 2 pearlite run                         --ranks 2 by hand; srun and mpiexec alike
-
-Cracks are shared out among the ranks. ./pearlite.sh run takes the same arguments, on all cores.
-Units: lengths in um, Delta-K in MPa sqrt(m), stresses in MPa; the key's name ends in its unit.
-Exit status: 0 done, 1 error or output not writable, 2 bad input (nothing written), 3 some tasks
-failed, 130 stopped by a signal or the wall time; --resume goes on from there.
-"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status."""
     started = monotonic()
     given = given_arguments(arguments)
-    cut = given.index("--") if "--" in given else len(given)
-    own, petsc = given[:cut], given[cut + 1 :]
-    chosen = _parser().parse_args(own)
+    chosen, petsc = parse_run(given)
     if chosen.schema:
         say(json.dumps(scene_schema(), indent=2))
         return ExitStatus.DONE
     try:
         scene, experiment = _scene(chosen)
-        _check_options(chosen, petsc)
     except SceneError as error:
         complain(str(error))
         return ExitStatus.BAD_INPUT
@@ -75,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         say(dry_run_text(scene, folder, chosen.ranks or expected_ranks()))
         return ExitStatus.DONE
-    missing = missing_modules()
+    missing = missing_libraries()
     if missing:
         complain(missing)
         return ExitStatus.BROKEN
@@ -112,12 +94,16 @@ def _start(
         if is_first_rank():
             request.tell = screen.stopping
             screen.stand(Standing("starting MPI and PETSc"))
-        ranks = world()
         try:
+            ranks = world()
             from pearlite_petsc.solver.initialize import initialize_petsc
 
             # Whatever imports PETSc first starts it, so this comes before all that computes.
             initialize_petsc(petsc)
+        except ImportError as error:
+            text = unusable_library(error)
+            return _end(channel, screen, ExitStatus.BROKEN, text, is_first_rank())
+        try:
             from pearlite_petsc.ensemble.session import Session, Settings
 
             settings = Settings(
@@ -194,50 +180,6 @@ def _with_experiment(scene: Scene, text: str | None = None) -> tuple[Scene, Expe
         return scene, parse_experiment(text, KEPT, states)
     name = scene.output.experiment
     return scene, None if name is None else read_experiment(Path(name), states)
-
-
-def _check_options(chosen: argparse.Namespace, petsc: Sequence[str]) -> None:
-    if chosen.resume and chosen.overwrite:
-        raise SceneError("--resume and --overwrite exclude each other")
-    if chosen.retry_failed and not chosen.resume:
-        raise SceneError("--retry-failed needs --resume")
-    if chosen.ranks is not None and chosen.ranks < 1:
-        raise SceneError(f"--ranks {chosen.ranks} is not a positive whole number")
-    for name in ("checkpoint_interval", "max_walltime"):
-        value = getattr(chosen, name)
-        if value is not None and not value >= 0.0:
-            raise SceneError(f"--{name.replace('_', '-')} {value:g} is not a time in seconds")
-    if petsc and not petsc[0].startswith("-"):
-        raise SceneError(f"-- {petsc[0]}: PETSc options start with -")
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = CommandParser(
-        "run",
-        "Grow the fatigue cracks of a scene; on several ranks with mpirun or srun.",
-        _EXAMPLES,
-        usage="%(prog)s [SCENE.toml | results.h5] [options] [-- PETSc options]",
-    )
-    add = parser.add_argument
-    add("scene", nargs="?", type=Path, metavar="SCENE", help="scene; default runs/quickstart.toml")
-    add_output_option(parser, "output folder; default runs/<scene>")
-    add_set_option(parser)
-    add("--resume", action="store_true", help="go on with what is in the output folder")
-    add("--retry-failed", action="store_true", help="with --resume: failed tasks once more")
-    add("--overwrite", action="store_true", help="remove what an earlier run left there")
-    add("--dry-run", action="store_true", help="print scene, size, memory and expected time only")
-    add("--schema", action="store_true", help="print the JSON schema of scene files")
-    add("--ranks", type=int, metavar="N", help="start N ranks with mpirun; default: one process")
-    add("--ranks-per-task", type=int, metavar="N", help="ranks that share a crack; default 1")
-    add(
-        "--checkpoint-interval",
-        type=float,
-        default=30.0,
-        metavar="S",
-        help="seconds between checkpoints of a growing crack; default 30",
-    )
-    add("--max-walltime", type=float, metavar="S", help="stop cleanly after so many seconds")
-    return parser
 
 
 if __name__ == "__main__":

@@ -43,6 +43,7 @@ LAYERS: tuple[set[str], ...] = (
     {"face"},
     {"studies"},
     {"command_line"},
+    {"run_options"},
     COMMANDS,
     {"__main__"},
 )

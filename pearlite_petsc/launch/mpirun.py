@@ -1,6 +1,5 @@
 """``run --ranks N``: the launcher of a run, which starts it with ``mpirun`` and says how it ended."""
 
-import importlib.util
 import shutil
 import signal
 import sys
@@ -42,17 +41,6 @@ def launch_run(arguments: Sequence[str], ranks: int, folder: Path) -> int:
     return _complain(
         f"mpirun ended {how} and the ranks did not say why; {folder / 'run.log'} may, and --resume "
         "goes on with what is finished"
-    )
-
-
-def missing_modules() -> str:
-    """Return in one line which modules of MPI and PETSc cannot be found and what helps, or ""."""
-    names = [name for name in ("mpi4py", "petsc4py") if importlib.util.find_spec(name) is None]
-    if not names:
-        return ""
-    return (
-        f"{' and '.join(names)} cannot be found by {sys.executable}: use ./pearlite.sh run, or its "
-        "environment (. .venv/bin/activate)"
     )
 
 

@@ -2,7 +2,11 @@
 
 from collections.abc import Sequence
 
-import petsc4py
+from pearlite_petsc.launch.libraries import find_petsc4py
+
+find_petsc4py()
+
+import petsc4py  # noqa: E402
 
 
 def initialize_petsc(options: Sequence[str]) -> None:

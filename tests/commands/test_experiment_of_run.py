@@ -7,7 +7,8 @@ import pytest
 from pearlite_petsc.config import load_scene, scene_to_toml
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.output.results import write_results
-from pearlite_petsc.run import _parser, _scene
+from pearlite_petsc.run import _scene
+from pearlite_petsc.run_options import parse_run
 
 PRESET = Path(__file__).parents[2] / "runs" / "quickstart.toml"
 
@@ -22,7 +23,7 @@ POINTS = "state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nsevere_AT,13,1.5e-9\n"
 
 def experiment_of(*arguments: str) -> tuple[str, str | None]:
     """Return the scene's experiment and the text of its points, as the run would take them."""
-    scene, experiment = _scene(_parser().parse_args(list(arguments)))
+    scene, experiment = _scene(parse_run(arguments)[0])
     return scene.output.experiment or "", experiment and experiment.text
 
 

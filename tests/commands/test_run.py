@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from pearlite_petsc import run_options
 from pearlite_petsc.config import load_scene, scene_to_toml
 from pearlite_petsc.output.results import write_results
 
@@ -229,7 +230,7 @@ def test_what_needs_no_run_is_said_by_the_first_rank_alone(
 
 
 def test_the_examples_of_the_help_use_scenes_that_everybody_has() -> None:
-    named = {word for word in run._EXAMPLES.split() if word.endswith(".toml")}
+    named = {word for word in run_options._EXAMPLES.split() if word.endswith(".toml")}
     assert named
     for name in named:
         assert (RUNS.parent / name).is_file(), name

@@ -11,21 +11,23 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 TOOLS = (
-    "sh env dirname readlink cat grep sed sort tail paste sha256sum nproc mkdir ln rm mktemp wc "
-    "flock true"
+    "sh env dirname readlink cat chmod grep sed sort tail paste sha256sum nproc mkdir ln rm mktemp "
+    "wc flock true sleep"
 )
 
-# "-m venv DIR" leaves a copy of itself in DIR; pip fails while a file "broken" stands beside.
+# "-m venv DIR" leaves a copy of itself in DIR; pip fails while a file "broken" stands beside,
+# and takes its time while there is one called "slow".
 PYTHON = """#!/bin/sh
 echo "python $*" >>"$CALLS"
 case "$*" in
     "-m venv"*)
         for folder; do :; done
         rm -rf "$folder"
-        mkdir -p "$folder/bin"
+        mkdir -p "$folder/bin" "$folder/lib/python3.11/site-packages"
         cp "$0" "$folder/bin/python" ;;
     "-I - "*) exec "$REAL_PYTHON" "$@" ;;
-    "-m pip"*) [ ! -e "$BROKEN" ] ;;
+    *pearlite_petsc.run_options*) exec "$REAL_PYTHON" "$@" ;;
+    "-m pip"*) [ ! -e "$SLOW" ] || exec sleep 60; [ ! -e "$BROKEN" ] ;;
 esac
 """
 
@@ -52,6 +54,8 @@ class Checkout:
             capture_output=True,
             text=True,
             timeout=60,
+            # Without a terminal, whatever the tests were started from.
+            start_new_session=True,
         )
 
     def calls(self) -> list[str]:
@@ -69,6 +73,7 @@ def checkout(tmp_path: Path) -> Checkout:
     binaries.mkdir()
     for name in ("pearlite.sh", "pyproject.toml"):
         shutil.copy(ROOT / name, folder / name)
+    (folder / "pearlite_petsc").symlink_to(ROOT / "pearlite_petsc")
     for name in [*TOOLS.split(), "cp"]:
         found = shutil.which(name, path="/usr/bin:/bin")
         assert found, name
@@ -90,6 +95,7 @@ def checkout(tmp_path: Path) -> Checkout:
         "CALLS": str(tmp_path / "calls"),
         "REAL_PYTHON": sys.executable,
         "BROKEN": str(tmp_path / "broken"),
+        "SLOW": str(tmp_path / "slow"),
         "HOME": os.environ.get("HOME", "/"),
     }
     return made

@@ -1,0 +1,61 @@
+"""petsc4py is found where PETSc is, and one line says what is missing or does not fit."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+from pearlite_petsc.launch.libraries import find_petsc4py, unusable_library
+
+
+@pytest.fixture
+def no_petsc4py(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(sys, "path", ["here"])
+    for name in ("PETSC_DIR", "PETSC_ARCH"):
+        monkeypatch.delenv(name, raising=False)
+
+
+def with_petsc4py(folder: Path) -> str:
+    (folder / "petsc4py").mkdir(parents=True)
+    return str(folder)
+
+
+@pytest.mark.usefixtures("no_petsc4py")
+def test_the_distributions_newest_is_found(tmp_path: Path) -> None:
+    # A build for complex numbers is none that the program can use.
+    with_petsc4py(tmp_path / "petsc3.18" / "x86-complex" / "lib/python3/dist-packages")
+    found = with_petsc4py(tmp_path / "petsc3.18" / "x86-real" / "lib/python3/dist-packages")
+    find_petsc4py(tmp_path)
+    assert sys.path == ["here", found]
+
+
+@pytest.mark.usefixtures("no_petsc4py")
+@pytest.mark.parametrize(
+    "inside, arch", [("arch-opt/lib", "arch-opt"), ("lib", ""), ("lib/python3/dist-packages", "")]
+)
+def test_that_of_petsc_dir_comes_first(
+    inside: str, arch: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with_petsc4py(tmp_path / "petsc3.18" / "x86-real" / "lib/python3/dist-packages")
+    own = with_petsc4py(tmp_path / "own" / inside)
+    monkeypatch.setenv("PETSC_DIR", str(tmp_path / "own"))
+    monkeypatch.setenv("PETSC_ARCH", arch)
+    find_petsc4py(tmp_path)
+    assert sys.path == ["here", own]
+
+
+def test_what_python_finds_by_itself_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: object())
+    monkeypatch.setattr(sys, "path", ["here"])
+    with_petsc4py(tmp_path / "petsc3.18" / "x86-real" / "lib/python3/dist-packages")
+    find_petsc4py(tmp_path)
+    assert sys.path == ["here"]
+
+
+def test_a_library_that_does_not_fit_is_one_line() -> None:
+    text = unusable_library(ImportError("first\nnumpy.core.multiarray failed to import"))
+    assert "\n" not in text
+    assert "numpy.core.multiarray failed to import" in text
+    assert "numpy<2" in text
