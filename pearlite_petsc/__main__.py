@@ -14,6 +14,7 @@ COMMANDS = {
     "mesh": "make one mesh of a scene, for ParaView and Python",
     "report": "draw the figures and write the report of a finished run again",
     "calibrate": "fit the damage constant C to measured growth rates",
+    "evaluate": "growth rates of a measured or computed crack from its length over cycles",
     "verify": "compute the claims that the program rests on",
     "bench": "measure speed, accuracy and limits of the methods",
 }

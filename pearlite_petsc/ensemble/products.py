@@ -21,7 +21,7 @@ from pearlite_petsc.output.experiment import Experiment
 from pearlite_petsc.output.provenance import write_provenance
 from pearlite_petsc.output.result_folder import Result
 from pearlite_petsc.output.results import read_results, write_results
-from pearlite_petsc.output.tables import write_fcg, write_growth
+from pearlite_petsc.output.tables import write_da_dn, write_fcg, write_growth
 from pearlite_petsc.scene import Scene
 
 _log = logging.getLogger(__name__)
@@ -67,7 +67,9 @@ def write_products(
         "scene_hash": scene_hash(scene),
         "mesh_hashes": hashes,
     }
-    write_fcg(folder / "fcg.csv", outcomes, [state.name for state in scene.states])
+    names = [state.name for state in scene.states]
+    write_fcg(folder / "fcg.csv", outcomes, names)
+    write_da_dn(folder / "da_dn.csv", outcomes, names)
     points = None if experiment is None else experiment.text
     write_results(folder / "results.h5", scene_to_toml(scene), outcomes, facts, points)
     write_provenance(folder / "provenance.json", facts)

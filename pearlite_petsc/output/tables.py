@@ -1,4 +1,5 @@
-"""CSV tables: one row a task (``fcg.csv``), one file a crack (``growth/*.csv``).
+"""CSV tables: one row a task (``fcg.csv``), one file a crack (``growth/*.csv``), one row a point
+(``da_dn.csv``).
 
 Inside: um, MPa sqrt(um). In the tables: da/dN in m/cycle, Delta-K in MPa sqrt(m), lengths in um.
 """
@@ -13,6 +14,7 @@ import numpy as np
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.errors import SceneError
+from pearlite_petsc.fatigue.growth_rate import advances, incremental_polynomial, secant
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
 from pearlite_petsc.output.whole_file import whole_file
 from pearlite_petsc.scene import Scene
@@ -35,6 +37,14 @@ FCG_COLUMNS = (
     "wall_s",
 )
 GROWTH_COLUMNS = ("cycles", "crack_length_um", "path_length_um", "broken_interfaces")
+RATE_COLUMNS = (
+    "state",
+    "mesh",
+    "delta_k_mpa_sqrt_m",
+    "crack_length_um",
+    "secant_m_per_cycle",
+    "polynomial_m_per_cycle",
+)
 
 
 def delta_k_in_mpa_sqrt_m(delta_k: float) -> float:
@@ -103,6 +113,32 @@ def write_fcg(path: Path, outcomes: Iterable[Outcome], states: Sequence[str]) ->
                     o.solves,
                     repr(float(o.wall_s)),
                 )
+            )
+
+
+def write_da_dn(path: Path, outcomes: Iterable[Outcome], states: Sequence[str]) -> None:
+    """Write da/dN of every crack point by point, evaluated as in a laboratory (ASTM E647).
+
+    A row for each moment at which a crack got longer, the first row of each crack its start; a rate
+    that a method does not have there is ``nan``.
+
+    Args:
+        path: ``da_dn.csv``.
+        outcomes: Tasks in any order; those without a history have no rows.
+        states: Names of the states in the order wanted.
+    """
+    with whole_file(path) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(RATE_COLUMNS)
+        for o in in_order(outcomes, states):
+            if o.history is None:
+                continue
+            cycles, length = o.history[advances(o.history[:, 1]), :2].T
+            rates = secant(cycles, length), incremental_polynomial(cycles, length)
+            task = o.state, o.mesh_index, repr(delta_k_in_mpa_sqrt_m(o.delta_k))
+            writer.writerows(
+                (*task, repr(a), repr(one / UM_PER_M), repr(other / UM_PER_M))
+                for a, one, other in zip(length.tolist(), *(r.tolist() for r in rates), strict=True)
             )
 
 
