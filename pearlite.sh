@@ -412,6 +412,8 @@ run_checks() {
     check "format" ruff format --check
     check "types" mypy --strict pearlite_petsc
     check "two ranks" two_rank_run
+    # Of the whole suite alone: part of it covers part of the product.
+    [ $# -gt 0 ] || set -- --cov --cov-report= --cov-fail-under=95
     # Last, so that its closing line is the last one of the output.
     check "tests" python -m pytest -n "$(cores)" --dist worksteal "$@"
     [ -z "$failed" ] || fail "failed: ${failed#, }"

@@ -22,7 +22,11 @@ def parse_number(text: str) -> Decimal:
 
 
 def plain(text: str, limit: int = 200) -> str:
-    """Return the text as one printable line."""
+    """Return the text as one printable line.
+
+    >>> plain("one\\nline")
+    'one\\\\nline'
+    """
     line = text if text.isprintable() else ascii(text)[1:-1]
     return line if len(line) <= limit else line[: limit - 3] + "..."
 

@@ -31,6 +31,9 @@ def slope(cycles: FloatArray, crack_length: FloatArray) -> float:
     Args:
         cycles: N, ascending; shape (p,).
         crack_length: a [um]; shape (p,).
+
+    >>> slope(np.array([0.0, 1e3, 2e3]), np.array([80.0, 80.5, 81.0]))
+    0.0005
     """
     span = cycles - cycles.mean()
     moment = float(span @ span)

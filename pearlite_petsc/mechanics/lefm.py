@@ -15,6 +15,9 @@ def edge_crack_factor(ratio: float) -> float:
 
     Args:
         ratio: a/W, 0 < a/W < 1.
+
+    >>> round(edge_crack_factor(0.3), 3)
+    1.655
     """
     half = 0.5 * math.pi * ratio
     shape = 0.752 + 2.02 * ratio + 0.37 * (1.0 - math.sin(half)) ** 3
@@ -31,12 +34,20 @@ def centre_crack_factor(ratio: float) -> float:
 
 
 def remote_stress(k: float, crack_length: float, width: float) -> float:
-    """Return the stress [MPa] that gives K [MPa sqrt(um)] at an edge crack [um] in a window [um]."""
+    """Return the stress [MPa] that gives K [MPa sqrt(um)] at an edge crack [um] in a window [um].
+
+    >>> round(remote_stress(18e3, crack_length=80.0, width=200.0), 1)
+    538.6
+    """
     return k / (edge_crack_factor(crack_length / width) * math.sqrt(math.pi * crack_length))
 
 
 def reversed_plastic_zone(delta_k: float, yield_stress: float) -> float:
-    """Return (Delta-K/(2 sigma_yield))^2/pi [um] from MPa sqrt(um) and MPa."""
+    """Return (Delta-K/(2 sigma_yield))^2/pi [um] from MPa sqrt(um) and MPa.
+
+    >>> round(reversed_plastic_zone(18e3, 470.0), 1)
+    116.7
+    """
     return (delta_k / (2.0 * yield_stress)) ** 2 / math.pi
 
 

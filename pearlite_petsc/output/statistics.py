@@ -144,7 +144,12 @@ def mean_difference(first: Sequence[float], second: Sequence[float]) -> Estimate
 
 
 def mean_with_interval(values: Sequence[float], level: float = 0.95) -> Estimate:
-    """Return the mean with Student's interval of a level of confidence."""
+    """Return the mean with Student's interval of a level of confidence.
+
+    >>> found = mean_with_interval([1.0, 2.0, 3.0])
+    >>> found.value, round(found.half_width, 3)
+    (2.0, 2.484)
+    """
     data = np.array(values, dtype=float)
     if not len(data):
         return Estimate(np.nan, np.nan, np.nan)

@@ -8,7 +8,11 @@ _BITS = 16
 
 
 def hilbert_order(points: FloatArray) -> IntArray:
-    """Return the order of points [um] along a Hilbert curve through their bounding square; (n,)."""
+    """Return the order of points [um] along a Hilbert curve through their bounding square; (n,).
+
+    >>> hilbert_order(np.array([[0.0, 0.0], [9.0, 9.0], [1.0, 1.0], [9.0, 8.0]]))
+    array([0, 2, 1, 3])
+    """
     if not len(points):
         return np.empty(0, dtype=np.int64)
     low = points.min(axis=0)

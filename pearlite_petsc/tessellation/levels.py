@@ -51,7 +51,11 @@ def coarsening_levels(
 
 
 def level_of(factor: FloatArray, coarsest: float) -> IntArray:
-    """Return the highest level whose spacing is at most ``factor`` times the fine one; (n,)."""
+    """Return the highest level whose spacing is at most ``factor`` times the fine one; (n,).
+
+    >>> level_of(np.array([1.0, 1.5, 2.0, 100.0]), coarsest=8.0)
+    array([0, 1, 2, 6])
+    """
     capped = np.clip(factor, 1.0, max(coarsest, 1.0))
     # The tolerance keeps exact powers of sqrt(2) on their own level.
     return np.asarray(np.floor(np.log(capped) / np.log(GROWTH) + 1e-9), dtype=np.int64)

@@ -1,6 +1,5 @@
 """``import pearlite_petsc as pp``: its names, and nothing started before it is needed."""
 
-import doctest
 import importlib
 import subprocess
 import sys
@@ -9,8 +8,6 @@ import pytest
 
 import pearlite_petsc as pp
 from tests.docs.test_commands import environment
-
-MODULES = ("crack", "growth", "mesh", "results", "run", "scene", "table")
 
 
 def python(program: str) -> str:
@@ -54,11 +51,3 @@ def test_importing_the_command_does_not_hide_the_function_of_its_name() -> None:
     assert pp.run is not command
     assert callable(pp.run)
     assert callable(command.main)
-
-
-@pytest.mark.parametrize("name", ["", *(f".face.{name}" for name in MODULES)])
-def test_the_examples_of_the_docstrings_run(name: str) -> None:
-    module = importlib.import_module(f"pearlite_petsc{name}")
-    names = {public: getattr(pp, public) for public in pp.__all__}
-    result = doctest.testmod(module, extraglobs=names)
-    assert result.failed == 0

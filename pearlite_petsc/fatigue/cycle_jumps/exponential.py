@@ -56,7 +56,7 @@ def exponent(
         damage, damage_before: D then, NaN where nothing is known; (k,).
 
     >>> rate = np.array([1.0, np.e])
-    >>> exponent(rate, np.ones(2), np.array([0.2, 0.5]), np.array([0.2, 0.25])).tolist()
+    >>> exponent(rate, np.ones(2), np.array([0.2, 0.5]), np.array([0.2, 0.25])).round(9).tolist()
     [nan, 4.0]
     """
     step = damage - damage_before
