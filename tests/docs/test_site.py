@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pearlite_petsc import laws
-from tests.docs.pages import ROOT
+from tests.docs.pages import PAGES, ROOT
 
 pytest.importorskip("mkdocs")
 PUBLIC = {"laws.html": {f"pearlite_petsc.laws.{name}" for name in laws.__all__}}
@@ -31,7 +31,15 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_every_page_is_in_the_site_and_in_its_navigation(site: Path) -> None:
-    pages = [page.relative_to(ROOT / "docs") for page in (ROOT / "docs").rglob("*.md")]
+    docs = ROOT / "docs"
+    pages = [page.relative_to(docs) for page in docs.rglob("*.md")]
+    pages += [
+        page.relative_to(ROOT)
+        for page in (*PAGES, ROOT / "CHANGELOG.md")
+        if docs not in page.parents
+    ]
+    # index.md stands for it.
+    pages.remove(Path("README.md"))
     navigation = (site / "index.html").read_text(encoding="utf-8")
     for page in pages:
         name = "index.html" if page.name == "README.md" else page.with_suffix(".html").name
