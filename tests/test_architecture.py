@@ -5,6 +5,7 @@ Every rule holds for all of the package, without exceptions.
 
 import ast
 import graphlib
+import re
 
 import pytest
 
@@ -82,6 +83,12 @@ INSIDE = [module for module in MODULES if part(module)]
 
 def test_every_module_and_folder_has_its_layer() -> None:
     assert {part(module) for module in INSIDE} == LAYER.keys()
+
+
+def test_contributors_read_the_same_layers() -> None:
+    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = page.split(f"| in `{PACKAGE}/` |")[1].split("\n\n")[0].splitlines()[2:]
+    assert [set(re.findall(r"`(\w+)`", row.split("|")[1])) for row in table] == [*LAYERS[::-1]]
 
 
 def test_nothing_points_back_or_aside() -> None:

@@ -6,9 +6,7 @@ import tomllib
 import yaml
 
 from tests.docs.pages import ROOT
-from tests.source import PACKAGE
 from tests.test_architecture import (
-    LAYERS,
     MOST_ATTRIBUTES,
     MOST_LINES,
     MOST_LINES_OF_CODE,
@@ -16,12 +14,6 @@ from tests.test_architecture import (
 )
 
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-
-
-def test_the_layers_are_those_of_the_package() -> None:
-    table = PAGE.split(f"| in `{PACKAGE}/` |")[1].split("\n\n")[0].splitlines()[2:]
-    rows = [set(re.findall(r"`(\w+)`", row.split("|")[1])) for row in table]
-    assert rows == list(reversed(LAYERS))
 
 
 def test_the_bars_are_those_of_the_tests() -> None:
