@@ -15,9 +15,10 @@ from pearlite_petsc.ensemble.store import Store
 from pearlite_petsc.ensemble.tasks import Task
 from pearlite_petsc.errors import PearliteError
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
-from pearlite_petsc.growth.first_domain import FirstDomain
 from pearlite_petsc.growth.loop import CrackGrowth
 from pearlite_petsc.growth.prepared import Prepared
+from pearlite_petsc.growth.ranks import on_first_rank
+from pearlite_petsc.growth.shared_domain import SharedDomain
 from pearlite_petsc.scene import Scene
 
 
@@ -55,7 +56,7 @@ class Ground:
 
 
 def grow_task(
-    ground: Ground, task: Task, prepared: Prepared | None, mesh: str, first: FirstDomain
+    ground: Ground, task: Task, prepared: Prepared | None, mesh: str, shared: SharedDomain
 ) -> Outcome | None:
     """Return the outcome of a task on all ranks, None if it was stopped before its end. Collective.
 
@@ -66,7 +67,7 @@ def grow_task(
         task: The crack.
         prepared: Its microstructure on the group's first rank, None elsewhere.
         mesh: Hash of its first mesh.
-        first: Gives the domain of that mesh.
+        shared: Gives the domain of that mesh.
 
     Raises:
         NotWritableError: The output folder cannot be written; on all ranks.
@@ -75,13 +76,13 @@ def grow_task(
     # What must be closed is closed together, after the ranks have agreed on what happened.
     with ExitStack() as stack:
         try:
-            return _grow(ground, task, prepared, mesh, first, stack)
+            return _grow(ground, task, prepared, mesh, shared, stack)
         except NotWritableError:
             raise
         except Exception as error:
             ground.group.agree_on_failure(error)
             # What failed may have left it in any state.
-            stack.callback(first.close)
+            stack.callback(shared.close)
             return failed(task, error, perf_counter() - started)
 
 
@@ -103,14 +104,14 @@ def _grow(
     task: Task,
     prepared: Prepared | None,
     mesh: str,
-    first: FirstDomain,
+    shared: SharedDomain,
     stack: ExitStack,
 ) -> Outcome | None:
     group, scene, store = ground.group, ground.scene, ground.store
-    stored = group.on_first(lambda: store.read_checkpoint(task, mesh), share=False)
+    stored = on_first_rank(group.comm, lambda: store.read_checkpoint(task, mesh))
     checkpoint, states = (None, []) if stored is None else stored
     resumes = group.same(checkpoint is not None)
-    domain = None if resumes else first.take(task.microstructure, prepared)
+    domain = None if resumes else shared.domain(task.microstructure, prepared)
     growth = CrackGrowth(group.comm, scene, task.state, task.delta_k, prepared, checkpoint, domain)
     stack.callback(growth.close)
     ratio = None if prepared is None else prepared.ratio
@@ -152,7 +153,7 @@ def write(group: Group, function: Callable[[], object]) -> None:
         NotWritableError: It cannot be written; on all ranks.
     """
     try:
-        group.on_first(function, share=False)
+        on_first_rank(group.comm, function)
     except (OSError, RuntimeError) as error:
         # HDF5 reports a full disk as either.
         raise NotWritableError(str(error)) from error

@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 
 from mpi4py import MPI
 
-from pearlite_petsc.growth.first_rank import on_first
 from pearlite_petsc.launch.display import say
 
 T = TypeVar("T")
@@ -55,15 +54,6 @@ class Group:
     def first(self) -> bool:
         """Whether this rank is the group's first, the one that reads and writes."""
         return bool(self.comm.rank == 0)
-
-    def on_first(self, function: Callable[[], T], share: bool = True) -> T | None:
-        """Call a function on the first rank; what it raises is raised on all ranks. Collective.
-
-        Args:
-            function: Not collective.
-            share: Whether all ranks get the result; else the others get None.
-        """
-        return on_first(self.comm, function, share)
 
     def any_of(self, bits: int) -> int:
         """Return the bits that any rank has set. Collective."""

@@ -1,66 +1,104 @@
-"""Outcomes, states and meshes as a header and arrays, and back, bit for bit."""
+"""Frozen dataclasses as a header for JSON and named arrays, and back, bit for bit.
 
-from collections.abc import Callable, Mapping
-from dataclasses import fields
-from typing import Any
+The only names are those of the fields: an array of a dataclass or mapping inside another is called
+``outer.inner``.
+"""
+
+import types
+from collections.abc import Mapping
+from dataclasses import MISSING, fields, is_dataclass
+from enum import Enum
+from functools import cache
+from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pearlite_petsc.fatigue.outcome import Crack, GrowthState, Outcome, StopReason
-from pearlite_petsc.tessellation.mesh import Mesh
-
 Arrays = dict[str, NDArray[Any]]
 
-
-def outcome_to_plain(outcome: Outcome) -> tuple[dict[str, Any], Arrays]:
-    """Return the outcome's values and its arrays."""
-    values, arrays = _split(outcome)
-    values["stop_reason"] = outcome.stop_reason.value
-    return values, arrays
+T = TypeVar("T")
 
 
-def outcome_from_plain(values: Mapping[str, Any], arrays: Arrays) -> Outcome:
-    """Return the outcome that ``outcome_to_plain`` took apart."""
-    return Outcome(**{**values, **arrays, "stop_reason": StopReason(values["stop_reason"])})
+def to_plain(item: Any) -> tuple[dict[str, Any], Arrays]:
+    """Return the values and the arrays of a dataclass; what is None is left out."""
+    entries = {field.name: getattr(item, field.name) for field in fields(item) if field.init}
+    return _to_plain(entries)
 
 
-def state_to_plain(state: GrowthState) -> tuple[dict[str, Any], Arrays]:
-    """Return the values and arrays of a state, those of its mesh and crack with a prefix."""
-    values: dict[str, Any] = {"cycles": state.cycles, "solves": state.solves}
-    arrays: Arrays = {}
-    for part in ("mesh", "crack"):
-        some_values, some_arrays = _split(getattr(state, part))
-        values[part] = some_values
-        arrays |= {f"{part}.{name}": array for name, array in some_arrays.items()}
-    arrays |= _split(state)[1]
-    return values, arrays
+def from_plain(kind: type[T], values: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> T:
+    """Return the dataclass that ``to_plain`` took apart.
+
+    Args:
+        kind: Its type.
+        values, arrays: What ``to_plain`` returned.
+
+    Raises:
+        TypeError: A field is missing, or there is one too many.
+    """
+    hints, required = _fields_of(cast(Any, kind))
+    given = {*values, *(name.split(".")[0] for name in arrays)}
+    if unknown := given - hints.keys():
+        raise TypeError(f"{kind.__name__} has no {', '.join(sorted(unknown))}")
+    return kind(
+        **{name: _field(hints[name], name, values, arrays) for name in sorted(given | required)}
+    )
 
 
-def state_from_plain(values: Mapping[str, Any], arrays: Arrays) -> GrowthState:
-    """Return the state that ``state_to_plain`` took apart."""
-    parts: dict[str, Any] = {"cycles": values["cycles"], "solves": values["solves"]}
-    builders: dict[str, Callable[..., Mesh | Crack]] = {"mesh": Mesh, "crack": Crack}
-    for part, build in builders.items():
-        own: dict[str, Any] = {
-            name.removeprefix(f"{part}."): array
-            for name, array in arrays.items()
-            if name.startswith(f"{part}.")
-        }
-        # JSON knows no tuples.
-        own |= {n: tuple(v) if isinstance(v, list) else v for n, v in values[part].items()}
-        parts[part] = build(**own)
-    parts |= {name: array for name, array in arrays.items() if "." not in name}
-    return GrowthState(**parts)
-
-
-def _split(item: Any) -> tuple[dict[str, Any], Arrays]:
+def _to_plain(entries: Mapping[str, Any]) -> tuple[dict[str, Any], Arrays]:
     values: dict[str, Any] = {}
     arrays: Arrays = {}
-    for field in fields(item):
-        value = getattr(item, field.name)
+    for name, value in entries.items():
         if isinstance(value, np.ndarray):
-            arrays[field.name] = value
-        elif value is not None and not isinstance(value, Mesh | Crack):
-            values[field.name] = value
+            arrays[name] = value
+        elif isinstance(value, Mapping) or is_dataclass(value):
+            inner = _to_plain(value) if isinstance(value, Mapping) else to_plain(value)
+            values[name] = inner[0]
+            arrays |= {f"{name}.{key}": array for key, array in inner[1].items()}
+        elif isinstance(value, Enum):
+            values[name] = value.value
+        elif value is not None:
+            values[name] = value
     return values, arrays
+
+
+def _field(
+    hint: Any, name: str, values: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
+) -> Any:
+    if name in arrays:
+        return arrays[name]
+    value = values.get(name)
+    if value is None:
+        return None
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return hint(value)
+    if get_origin(hint) is tuple:
+        # JSON knows no tuples.
+        return tuple(value)
+    if isinstance(value, Mapping):
+        start = f"{name}."
+        inner = {
+            key.removeprefix(start): array for key, array in arrays.items() if key.startswith(start)
+        }
+        is_nested = isinstance(hint, type) and is_dataclass(hint)
+        return from_plain(hint, value, inner) if is_nested else {**value, **inner}
+    return value
+
+
+@cache
+def _fields_of(kind: Any) -> tuple[dict[str, Any], set[str]]:
+    """Return types (None left out) of the fields that a dataclass is made from; which it needs."""
+    hints = get_type_hints(kind)
+    made_from = [field for field in fields(kind) if field.init]
+    required = {
+        field.name
+        for field in made_from
+        if field.default is MISSING and field.default_factory is MISSING
+    }
+    return {field.name: _without_none(hints[field.name]) for field in made_from}, required
+
+
+def _without_none(hint: Any) -> Any:
+    if get_origin(hint) not in (Union, types.UnionType):
+        return hint
+    kinds = [kind for kind in get_args(hint) if kind is not type(None)]
+    return kinds[0] if len(kinds) == 1 else hint

@@ -1,7 +1,6 @@
 """One run from the output folder to the report: what the command does once MPI is there."""
 
 import logging
-from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from datetime import datetime
@@ -9,7 +8,7 @@ from pathlib import Path
 from resource import RUSAGE_SELF, getrusage
 from time import monotonic
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -21,8 +20,8 @@ from pearlite_petsc.ensemble.products import draw_and_report, write_products
 from pearlite_petsc.ensemble.status import Status
 from pearlite_petsc.ensemble.stop import NOT_WRITABLE, StopRequest, describe
 from pearlite_petsc.ensemble.tasks import refuse_few_ranks
-from pearlite_petsc.errors import SceneError
 from pearlite_petsc.exit_status import ExitStatus
+from pearlite_petsc.growth.ranks import on_first_rank
 from pearlite_petsc.launch.display import Screen, Standing, clock
 from pearlite_petsc.output.experiment import Experiment
 from pearlite_petsc.output.provenance import provenance
@@ -30,8 +29,6 @@ from pearlite_petsc.scene import Scene
 from pearlite_petsc.solver.petsc_build import petsc_facts
 
 _log = logging.getLogger(__name__)
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,19 +87,22 @@ class Session:
         scene, settings, world = self._scene, self._settings, self._world
         refuse_few_ranks(scene, world.size)
         with ExitStack() as stack:
-            output = self._on_first(
+            output = on_first_rank(
+                world,
                 lambda: OutputFolder(
                     settings.folder,
                     scene,
                     settings.resume,
                     settings.overwrite,
                     None if settings.experiment is None else settings.experiment.text,
-                )
+                ),
             )
             if output is not None:
                 stack.callback(output.close)
             stack.enter_context(logging_to(settings.folder, world.rank))
-            found = self._on_first(lambda: look_back(settings.folder, scene, settings.retry_failed))
+            found = on_first_rank(
+                world, lambda: look_back(settings.folder, scene, settings.retry_failed)
+            )
             if found is not None and output is not None:
                 self._announce(found, output.resumed)
             campaign = Campaign(
@@ -199,19 +199,6 @@ class Session:
         if self._first:
             self._screen.line(text)
             _log.info("%s", text)
-
-    def _on_first(self, function: Callable[[], T]) -> T | None:
-        """Call a function on rank 0; its SceneError is raised on all ranks."""
-        result, error = None, None
-        if self._first:
-            try:
-                result = function()
-            except SceneError as raised:
-                error = raised
-        error = self._world.bcast(error)
-        if error is not None:
-            raise error
-        return result
 
 
 class _LogFile(logging.FileHandler):

@@ -13,13 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from pearlite_petsc.ensemble.plain import (
-    Arrays,
-    outcome_from_plain,
-    outcome_to_plain,
-    state_from_plain,
-    state_to_plain,
-)
+from pearlite_petsc.ensemble.plain import Arrays, from_plain, to_plain
 from pearlite_petsc.ensemble.sealed_file import DamagedFileError, read_sealed, write_sealed
 from pearlite_petsc.ensemble.tasks import Task
 from pearlite_petsc.errors import SceneError
@@ -57,7 +51,7 @@ class Store:
         Raises:
             OSError: The folder cannot be written.
         """
-        values, arrays = outcome_to_plain(outcome)
+        values, arrays = to_plain(outcome)
         self._write(
             self._finished(task), {"task": task.name, "mesh": mesh, "outcome": values}, arrays
         )
@@ -76,7 +70,7 @@ class Store:
             return None
         try:
             header, arrays = self._read(path, task)
-            return outcome_from_plain(header["outcome"], arrays), str(header["mesh"])
+            return from_plain(Outcome, header["outcome"], arrays), str(header["mesh"])
         except (DamagedFileError, KeyError, TypeError, ValueError) as error:
             _log.warning("%s; the task is computed again", error)
             return None
@@ -101,17 +95,18 @@ class Store:
         Raises:
             OSError: The folder cannot be written.
         """
+        values, arrays = to_plain(checkpoint)
         header = {
             "form": FORM,
             "task": task.name,
             "mesh": mesh,
             "states": states,
-            "numbers": checkpoint.numbers,
-            "counters": checkpoint.counters,
+            "solves": checkpoint.record.solves,
+            "crack": values,
         }
         folder = self._growing(task)
         oldest = min(_SLOTS, key=lambda slot: _age(folder / slot))
-        self._write(folder / oldest, header, checkpoint.arrays)
+        self._write(folder / oldest, header, arrays)
 
     def read_checkpoint(self, task: Task, mesh: str) -> tuple[Checkpoint, list[GrowthState]] | None:
         """Return the newest whole checkpoint and the states chosen before it, None without one.
@@ -133,13 +128,13 @@ class Store:
                     f"{path}: was made with mesh {header['mesh'][:12]}, this program makes "
                     f"{mesh[:12]}; without the file the crack starts from its notch"
                 )
-        for _, header, arrays in sorted(found, key=lambda item: -item[1]["numbers"]["solves"]):
+        for _, header, arrays in sorted(found, key=lambda item: -item[1]["solves"]):
             try:
                 states = self._read_states(task, int(header["states"]))
             except DamagedFileError as error:
                 _log.warning("%s; an older checkpoint is used if there is one", error)
                 continue
-            return Checkpoint(header["numbers"], header["counters"], arrays), states
+            return from_plain(Checkpoint, header["crack"], arrays), states
         return None
 
     def write_state(self, task: Task, number: int, state: GrowthState) -> None:
@@ -180,7 +175,7 @@ class Store:
         states = []
         for number in range(count):
             header, arrays = self._read(self._state(task, number), task)
-            states.append(state_from_plain(header["state"], arrays))
+            states.append(from_plain(GrowthState, header["state"], arrays))
         return states
 
     def _read(self, path: Path, task: Task) -> tuple[dict[str, Any], Arrays]:
@@ -205,7 +200,7 @@ class Store:
 
 
 def _with_task(task: Task, state: GrowthState) -> tuple[dict[str, Any], Arrays]:
-    values, arrays = state_to_plain(state)
+    values, arrays = to_plain(state)
     return {"task": task.name, "state": values}, arrays
 
 

@@ -17,8 +17,9 @@ from pearlite_petsc.ensemble.stop import NOT_WRITABLE
 from pearlite_petsc.ensemble.store import mesh_hash
 from pearlite_petsc.ensemble.tasks import Task
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
-from pearlite_petsc.growth.first_domain import FirstDomain
 from pearlite_petsc.growth.prepared import Prepared, prepare_growth
+from pearlite_petsc.growth.ranks import on_first_rank
+from pearlite_petsc.growth.shared_domain import SharedDomain
 from pearlite_petsc.launch.display import say
 from pearlite_petsc.output.tables import write_growth
 
@@ -45,17 +46,17 @@ class Worker:
         self._forecast = forecast
         self._microstructure = np.array([task.microstructure for task in tasks])
         self._at_hand: OrderedDict[int, tuple[Prepared, str] | Exception] = OrderedDict()
-        self._first = FirstDomain(ground.group.comm, ground.scene)
+        self._shared_domain = SharedDomain(ground.group.comm, ground.scene)
 
     def work(self) -> None:
         """Take and finish tasks until none is open or a stop is wanted."""
         self._take_tasks()
-        self._first.close()
+        self._shared_domain.close()
 
     def _take_tasks(self) -> None:
         group = self._ground.group
         while not group.any_of(self._ground.stopping()):
-            number = group.on_first(self._claim)
+            number = on_first_rank(group.comm, self._claim, share=True)
             if number is None:
                 return
             task = self._tasks[number]
@@ -89,10 +90,10 @@ class Worker:
     def _grow(self, task: Task) -> tuple[Outcome | None, str]:
         group = self._ground.group
         try:
-            prepared, mesh = group.on_first(partial(self._prepare, task), share=False) or (None, "")
+            prepared, mesh = on_first_rank(group.comm, partial(self._prepare, task)) or (None, "")
         except Exception as error:
             return failed(task, error), ""
-        return grow_task(self._ground, task, prepared, mesh, self._first), mesh
+        return grow_task(self._ground, task, prepared, mesh, self._shared_domain), mesh
 
     def _prepare(self, task: Task) -> tuple[Prepared, str]:
         """Return the microstructure of a task, made once for all its delta_k; first rank only."""

@@ -1,12 +1,12 @@
 """Clusters of elements that broken interfaces have cut off."""
 
 import numpy as np
+from scipy.cluster.hierarchy import DisjointSet
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pearlite_petsc.arrays import BoolArray, IntArray
 from pearlite_petsc.errors import SolverError
-from pearlite_petsc.fatigue.union_find import UnionFind
 from pearlite_petsc.tessellation.mesh import Mesh
 
 
@@ -14,7 +14,7 @@ class LooseClusters:
     """Finds loose clusters; the search runs only after a break that closes a ring.
 
     In the plane a cluster comes loose exactly when broken interfaces (with the window's boundary)
-    close a ring round it, which a union-find over their ends notices.
+    close a ring round it, which disjoint sets of their ends notice.
     """
 
     def __init__(self, mesh: Mesh, broken: BoolArray) -> None:
@@ -37,7 +37,7 @@ class LooseClusters:
         new = [number for number in fresh.tolist() if number not in self._tried]
         self._tried.update(new)
         ends = self._mesh.junction[self._mesh.interface_vertices[new]]
-        rings = [not self._rings.join(a, b) for a, b in ends.tolist()]
+        rings = [not self._join(a, b) for a, b in ends.tolist()]
         if any(rings):
             broken = self._broken.copy()
             broken[list(self._tried)] = True
@@ -51,15 +51,21 @@ class LooseClusters:
 
     def _begin(self) -> None:
         """Join what is broken anew, with the window's boundary."""
-        self._rings = UnionFind()
+        self._connected = DisjointSet()
         self._tried: set[int] = set()
         self.loose = np.zeros(self._mesh.element_count, dtype=bool)
         border = self._mesh.junction[self._mesh.boundary_vertices].ravel()
         for junction in border[1:]:
-            self._rings.join(int(border[0]), int(junction))
+            self._join(int(border[0]), int(junction))
         if self._broken.any():
             self.attempt(np.flatnonzero(self._broken))
             self._tried.clear()
+
+    def _join(self, a: int, b: int) -> bool:
+        """Join two junctions; return False where they were connected already."""
+        for junction in (a, b):
+            self._connected.add(junction)
+        return bool(self._connected.merge(a, b))
 
     def _search(self, broken: BoolArray) -> None:
         mesh = self._mesh

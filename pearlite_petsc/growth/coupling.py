@@ -1,16 +1,18 @@
 """Which interfaces soften together in a block, and what couples them."""
 
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from pearlite_petsc.arrays import FloatArray, IntArray
-from pearlite_petsc.fatigue.crack import CrackTracker, Point
+from pearlite_petsc.fatigue.crack import CrackTracker
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.softening import Softening, load_centre
+from pearlite_petsc.growth.checkpoint import CouplingState
 from pearlite_petsc.growth.domain import Domain
+from pearlite_petsc.growth.load import TipLoad
+from pearlite_petsc.scene import Window
 from pearlite_petsc.solver.compliance import Compliance
 from pearlite_petsc.solver.owners import from_owners, local_interfaces, owned_interfaces
 
@@ -41,13 +43,14 @@ class Coupling:
     Args:
         domain: The mesh.
         tracker: The crack.
-        load: Load on owned elements for a crack's tip; (owned, 3).
+        load: Load on owned elements.
+        window: The window.
     """
 
     def __init__(
-        self, domain: Domain, tracker: CrackTracker, load: Callable[[Point], FloatArray]
+        self, domain: Domain, tracker: CrackTracker, load: TipLoad, window: Window
     ) -> None:
-        self._domain, self._tracker, self._load = domain, tracker, load
+        self._domain, self._tracker, self._load, self._window = domain, tracker, load, window
         self._constants = domain.subdomain.spring_constants()
         self.compliance: Compliance | None = None
         self._pull: FloatArray | None = None
@@ -140,43 +143,38 @@ class Coupling:
             residual=np.zeros((len(numbers), 3)),
         )
 
-    def memory(self) -> tuple[FloatArray | None, dict[str, FloatArray]]:
-        """Return what going on needs: the damage of the factors (k,) if any, and small arrays."""
+    def state(self) -> CouplingState | None:
+        """Return what ``restore`` needs, None where the next block makes another compliance."""
         known = self.compliance
-        if known is not None and known.is_outdated:
-            # The next block makes another one, here as in a run that goes on from the checkpoint.
-            known = None
-        added = np.empty((2, 0)) if known is None else np.stack([known.numbers, known.batch])
-        small = {"coupling_taken": added.astype(float), "coupling_tip": np.array(self._pull_tip)}
-        return (None if known is None else known.set_up_damage), small
+        if known is None or known.is_outdated:
+            return None
+        return CouplingState(known.set_up_damage, known.numbers, known.batch, self._pull_tip)
 
-    def recall(self, set_up_damage: FloatArray, small: Mapping[str, FloatArray]) -> None:
-        """Go on from what ``memory`` returned. Collective."""
-        compliance = self.compliance = Compliance(self._domain.equilibrium, set_up_damage)
-        numbers, batch = small["coupling_taken"].astype(np.int64)
-        for number in range(batch.max(initial=-1) + 1):
-            compliance.add(numbers[batch == number])
-        x, y = small["coupling_tip"].tolist()
-        self._pull_tip = x, y
+    def restore(self, state: CouplingState) -> None:
+        """Go on from a state. Collective."""
+        compliance = self.compliance = Compliance(self._domain.equilibrium, state.set_up_damage)
+        for number in range(state.batch.max(initial=-1) + 1):
+            compliance.add(state.numbers[state.batch == number])
+        self._pull_tip = state.pull_tip
         self._pull = self._pulls(compliance)
 
     def _compliance(self, numbers: IntArray, damage: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return C (3 a, 3 a) and the pull of the load (a, 3, 2) at the damage of now. Collective."""
         compliance = self.compliance
         if compliance is None or compliance.is_outdated:
-            compliance = self._factored()
+            compliance = self._factored(damage)
         wanted = np.union1d(numbers, self._changed(compliance, damage))
         if len(np.union1d(compliance.numbers, wanted)) > MOST_ADDED and len(compliance.numbers):
-            compliance, wanted = self._factored(), numbers
+            compliance, wanted = self._factored(damage), numbers
         compliance.add(wanted)
         if self._pull is None or self._has_left_pull():
             self._pull_tip = self._tracker.tip
             self._pull = self._pulls(compliance)
         return compliance.at(numbers, damage, self._pull)
 
-    def _factored(self) -> Compliance:
-        """Return the compliance from factors of the damage of now; no pull is known. Collective."""
-        self.compliance = Compliance(self._domain.equilibrium, self._domain.damage)
+    def _factored(self, damage: FloatArray) -> Compliance:
+        """Return the compliance from factors of a damage (k,); no pull is known. Collective."""
+        self.compliance = Compliance(self._domain.equilibrium, damage)
         self._pull = None
         return self.compliance
 
@@ -189,7 +187,7 @@ class Coupling:
 
     def _has_left_pull(self) -> bool:
         """Return whether the tip has moved so far that the load's pull there is another one."""
-        window, (x, y) = self._domain.scene.window, self._pull_tip
+        window, (x, y) = self._window, self._pull_tip
         room = min(window.width - x, y, window.height - y)
         return math.dist(self._pull_tip, self._tracker.tip) > PULL_REACH * room
 
@@ -197,8 +195,8 @@ class Coupling:
         x, y = self._pull_tip
         # Central differences, or a mirrored body would not be one.
         half = 0.5 * _PULL
-        ahead = self._load((x + half, y)), self._load((x, y + half))
-        behind = self._load((x - half, y)), self._load((x, y - half))
+        ahead = self._load.at((x + half, y)), self._load.at((x, y + half))
+        behind = self._load.at((x - half, y)), self._load.at((x, y - half))
         moved = zip(ahead, behind, strict=True)
         return compliance.response([(there - here) / _PULL for there, here in moved])
 

@@ -2,40 +2,68 @@
 
 import numpy as np
 
-from pearlite_petsc.arrays import FloatArray
-from pearlite_petsc.fatigue.damage import crack_distance
-from pearlite_petsc.growth.domain import Domain
+from pearlite_petsc.arrays import BoolArray, FloatArray
+from pearlite_petsc.fatigue.damage import crack_distance, damage_interfaces
+from pearlite_petsc.growth.case import CrackCase
+from pearlite_petsc.growth.domain import Domain, Edges
 from pearlite_petsc.laws.damage import RateConstants
-from pearlite_petsc.scene import State
+from pearlite_petsc.mechanics.lefm import remote_stress
+from pearlite_petsc.solver.subdomain import Subdomain
 
 
 class DamageRates:
     """Rate constants of this rank's interfaces. Collective.
 
     Args:
-        domain: The domain; what is broken there, the notch included, is the crack.
-        state: State of the steel.
+        domain: The mesh.
+        case: Damage law, state of the steel.
+        broken: Which of this rank's interfaces are the crack, the notch included; (k,).
 
     Attributes:
         constants: Of the interfaces as the crack is now.
     """
 
-    def __init__(self, domain: Domain, state: State) -> None:
-        self._domain, self._state = domain, state
+    def __init__(self, domain: Domain, case: CrackCase, broken: BoolArray) -> None:
+        self._subdomain, self._case = domain.subdomain, case
         self._distance: FloatArray | None = None
-        if domain.scene.damage.law.follows_crack:
-            *_, ends = domain.share_edges(np.flatnonzero(domain.damage >= 1.0))
-            self._distance = crack_distance(domain.subdomain.midpoint, ends)
-        self.constants: RateConstants = domain.rate_constants(state, self._distance)
+        if case.scene.damage.law.follows_crack:
+            ends = domain.edges(np.flatnonzero(broken)).ends
+            self._distance = crack_distance(self._subdomain.midpoint, ends)
+        self.constants: RateConstants = rate_constants(self._subdomain, case, self._distance)
 
-    def see_breaks(self, ends: FloatArray) -> None:
-        """Take in what has broken.
-
-        Args:
-            ends: Both ends of the interfaces that broke, on all ranks [um]; (b, 2, 2).
-        """
-        if self._distance is None or not len(ends):
+    def follow(self, broken: Edges) -> None:
+        """Take interfaces into the crack."""
+        if self._distance is None or not len(broken.numbers):
             return
-        new = crack_distance(self._domain.subdomain.midpoint, ends)
+        new = crack_distance(self._subdomain.midpoint, broken.ends)
         self._distance = np.minimum(self._distance, new)
-        self.constants = self._domain.rate_constants(self._state, self._distance)
+        self.constants = rate_constants(self._subdomain, self._case, self._distance)
+
+
+def rate_constants(
+    subdomain: Subdomain, case: CrackCase, distance: FloatArray | None
+) -> RateConstants:
+    """Return what the damage law makes of a rank's interfaces.
+
+    Coarse elements carry the load to the fine ones and take no damage: their long interfaces would
+    pass a threshold that falls with 1/sqrt(L) far from any crack.
+
+    Args:
+        subdomain: The rank's.
+        case: Damage law, state of the steel.
+        distance: Of each interface from the crack [um]; (k,), None where the law does not follow
+            the crack.
+    """
+    window, damage = case.scene.window, case.scene.damage
+    interfaces = damage_interfaces(
+        subdomain.length,
+        subdomain.kind,
+        damage,
+        case.state,
+        remote_stress(case.state.delta_k_th, window.notch, window.width),
+        subdomain.midpoint,
+        subdomain.normal,
+        distance,
+        subdomain.cementite_share,
+    )
+    return damage.law.rate_constants(interfaces, damage).only(subdomain.fine)

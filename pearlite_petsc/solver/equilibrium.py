@@ -1,33 +1,18 @@
 """Equilibrium of the elements: CG on the distributed matrix, with fallbacks counted."""
 
 from collections import Counter
-from dataclasses import dataclass
 
 from mpi4py import MPI
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.scene import Solver
 from pearlite_petsc.solver.closing import Closing
+from pearlite_petsc.solver.equilibrium_state import EquilibriumState
 from pearlite_petsc.solver.factors import Factors
 from pearlite_petsc.solver.preconditioner import PreconditionerMaker
 from pearlite_petsc.solver.reuse import ReusePolicy, setup_cost
 from pearlite_petsc.solver.subdomain import Subdomain
 from pearlite_petsc.solver.system import LinearSystem
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class EquilibriumState:
-    """What the next solve depends on beside the damage, on one rank.
-
-    Attributes:
-        set_up_damage: Damage that the preconditioner was made for; (k,).
-        solution: Last solution on owned elements; (owned, 3).
-        policy: How long the preconditioner is reused.
-    """
-
-    set_up_damage: FloatArray
-    solution: FloatArray
-    policy: ReusePolicy
 
 
 class Equilibrium(Closing):

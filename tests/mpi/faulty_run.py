@@ -38,7 +38,7 @@ def main() -> int:
 def patch() -> None:
     from pearlite_petsc.ensemble import crack, group, worker
     from pearlite_petsc.errors import MeshError, SolverError
-    from pearlite_petsc.growth import front
+    from pearlite_petsc.growth import refinement
 
     if FAULT == "small_files":
         # What the file system does when it is full, without filling one; MPI has its files by now.
@@ -48,7 +48,7 @@ def patch() -> None:
     class Faulty(crack.CrackGrowth):
         def steps(self) -> Iterator[Any]:
             for number, step in enumerate(super().steps()):
-                if number == STEPS_BEFORE and self.state.name == "severe_AT":
+                if number == STEPS_BEFORE and self.case.state.name == "severe_AT":
                     if FAULT == "all_ranks":
                         raise SolverError("no equilibrium, says the test")
                     if FAULT == "odd_error":
@@ -68,7 +68,7 @@ def patch() -> None:
         raise MeshError("no finer mesh, says the test")
 
     if FAULT == "no_next_mesh":
-        front.Follower.mesh = no_next_mesh
+        refinement.Refinement.mesh = no_next_mesh
     crack.CrackGrowth = Faulty
     prepare = worker.prepare_growth
     worker.prepare_growth = no_mesh

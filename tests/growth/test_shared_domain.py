@@ -6,9 +6,9 @@ from mpi4py import MPI
 
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.growth.domain import Domain
-from pearlite_petsc.growth.first_domain import FirstDomain
 from pearlite_petsc.growth.loop import CrackGrowth
 from pearlite_petsc.growth.prepared import Prepared, prepare_growth
+from pearlite_petsc.growth.shared_domain import SharedDomain
 from pearlite_petsc.scene import Scene, Solver
 from tests.scenes import STATES, default_scene
 
@@ -25,9 +25,9 @@ def small_scene(method: str, refinement: str) -> Scene:
     )
 
 
-def grown(scene: Scene, prepared: Prepared, delta_k: float, first: Domain | None) -> Outcome:
+def grown(scene: Scene, prepared: Prepared, delta_k: float, shared: Domain | None) -> Outcome:
     state = scene.states[0]
-    growth = CrackGrowth(MPI.COMM_SELF, scene, state, delta_k, prepared, first=first)
+    growth = CrackGrowth(MPI.COMM_SELF, scene, state, delta_k, prepared, shared=shared)
     outcome = growth.grown()
     assert outcome is not None
     return outcome
@@ -45,12 +45,12 @@ def grown(scene: Scene, prepared: Prepared, delta_k: float, first: Domain | None
 def test_cracks_on_a_shared_domain_are_the_same_bit_for_bit(method: str, refinement: str) -> None:
     scene = small_scene(method, refinement)
     prepared = prepare_growth(scene, scene.states[0], 0)
-    shared = FirstDomain(MPI.COMM_SELF, scene)
-    domain = shared.take(0, prepared)
+    shared = SharedDomain(MPI.COMM_SELF, scene)
+    domain = shared.domain(0, prepared)
     for delta_k in LEVELS:
-        again = shared.take(0, prepared)
+        again = shared.domain(0, prepared)
         assert again is domain
-        one, alone = (grown(scene, prepared, delta_k, first) for first in (again, None))
+        one, alone = (grown(scene, prepared, delta_k, domain) for domain in (again, None))
         assert len(one.history) > 3
         assert np.array_equal(one.history, alone.history)
         assert one.counters == alone.counters
@@ -59,9 +59,9 @@ def test_cracks_on_a_shared_domain_are_the_same_bit_for_bit(method: str, refinem
 
 def test_another_microstructure_gets_a_domain_of_its_own() -> None:
     scene = small_scene("iterative", "follow")
-    shared = FirstDomain(MPI.COMM_SELF, scene)
+    shared = SharedDomain(MPI.COMM_SELF, scene)
     made = [prepare_growth(scene, scene.states[0], index) for index in range(2)]
-    domains = [shared.take(number, prepared) for number, prepared in enumerate(made)]
+    domains = [shared.domain(number, prepared) for number, prepared in enumerate(made)]
     assert domains[0].mesh is made[0].mesh
     assert domains[1].mesh is made[1].mesh
     shared.close()
@@ -70,10 +70,10 @@ def test_another_microstructure_gets_a_domain_of_its_own() -> None:
 def test_a_closed_domain_is_made_anew() -> None:
     scene = small_scene("iterative", "follow")
     prepared = prepare_growth(scene, scene.states[0], 0)
-    shared = FirstDomain(MPI.COMM_SELF, scene)
-    before = shared.take(0, prepared)
+    shared = SharedDomain(MPI.COMM_SELF, scene)
+    before = shared.domain(0, prepared)
     shared.close()
-    after = shared.take(0, prepared)
+    after = shared.domain(0, prepared)
     assert after is not before
     assert grown(scene, prepared, LEVELS[0], after).solves > 3
     shared.close()

@@ -11,7 +11,7 @@ from pearlite_petsc.errors import PearliteError
 T = TypeVar("T")
 
 
-def on_first(comm: MPI.Comm, function: Callable[[], T], share: bool = False) -> T | None:
+def on_first_rank(comm: MPI.Comm, function: Callable[[], T], share: bool = False) -> T | None:
     """Call a function on rank 0; what it raises is raised on all ranks. Collective.
 
     Args:

@@ -104,7 +104,7 @@ def test_factors_made_anew_in_a_block_are_made_anew_after_a_checkpoint_too(
     growth = CrackGrowth(MPI.COMM_SELF, scene, STATES["undeformed"], DELTA_K, prepared)
     checkpoints = []
     for step in growth.steps():
-        known = growth._coupling.compliance
+        known = growth._body.coupling.compliance
         if step.stop is None and known is not None and known.is_outdated:
             checkpoints.append(growth.checkpoint())
     assert step.stop is not None and checkpoints

@@ -5,10 +5,9 @@ from mpi4py import MPI
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.growth.prepared import Prepared
 from pearlite_petsc.scene import Scene
-from pearlite_petsc.solver.closing import Closing
 
 
-class FirstDomain(Closing):
+class SharedDomain:
     """Keeps the last microstructure's first domain: matrix and preconditioner. Collective.
 
     Args:
@@ -21,7 +20,7 @@ class FirstDomain(Closing):
         self._microstructure = -1
         self._domain: Domain | None = None
 
-    def take(self, microstructure: int, prepared: Prepared | None) -> Domain:
+    def domain(self, microstructure: int, prepared: Prepared | None) -> Domain:
         """Return the domain as it is at the start; it stays this object's to close.
 
         Args:
@@ -29,7 +28,7 @@ class FirstDomain(Closing):
             prepared: Substrate and first mesh on rank 0, None elsewhere.
         """
         if self._domain is not None and self._microstructure == microstructure:
-            self._domain.restart()
+            self._domain.rewind()
             return self._domain
         self.close()
         self._domain = first_domain(self._comm, self._scene, prepared, keep_first=True)
@@ -37,7 +36,7 @@ class FirstDomain(Closing):
         return self._domain
 
     def close(self) -> None:
-        """Destroy the PETSc objects; a later ``take`` makes them anew."""
+        """Destroy the PETSc objects; a later ``domain`` makes them anew."""
         if self._domain is not None:
             self._domain.close()
             self._domain = None
@@ -52,7 +51,7 @@ def first_domain(
         comm: The group.
         scene: The scene.
         prepared: Substrate and first mesh on rank 0, None elsewhere.
-        keep_first: Whether ``Domain.restart`` will be wanted.
+        keep_first: Whether ``Domain.rewind`` will be wanted.
     """
     mesh, ratio = (None, None) if prepared is None else (prepared.mesh, prepared.ratio)
     return Domain(comm, scene, mesh, ratio, keep_first=keep_first)

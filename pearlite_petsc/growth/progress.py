@@ -1,0 +1,81 @@
+"""Where a crack stands: at its notch, or where it was saved."""
+
+from dataclasses import dataclass
+
+from mpi4py import MPI
+
+from pearlite_petsc.fatigue.damage_state import DamageState, notched
+from pearlite_petsc.growth.body import CrackedBody
+from pearlite_petsc.growth.case import CrackCase
+from pearlite_petsc.growth.checkpoint import Checkpoint
+from pearlite_petsc.growth.domain import Domain
+from pearlite_petsc.growth.prepared import Prepared
+from pearlite_petsc.growth.ranks import on_first_rank
+from pearlite_petsc.growth.record import Record, new_record
+from pearlite_petsc.growth.refinement import Refinement
+from pearlite_petsc.growth.shared_domain import first_domain
+from pearlite_petsc.tessellation.mesh import Mesh
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Progress:
+    """Where a crack stands.
+
+    Attributes:
+        body: Its mesh and the crack in it.
+        damage: Where the damage of the mesh's interfaces stands.
+        refinement: Where the mesh is fine.
+        record: What was measured and counted so far.
+    """
+
+    body: CrackedBody
+    damage: DamageState
+    refinement: Refinement
+    record: Record
+
+
+def begun(
+    comm: MPI.Comm, case: CrackCase, prepared: Prepared | None, shared: Domain | None
+) -> Progress:
+    """Return where a crack stands at its notch. Collective.
+
+    Args:
+        comm: The group.
+        case: The crack.
+        prepared: Microstructure and first mesh on rank 0, None elsewhere.
+        shared: Domain of the first mesh as it is at the start; None makes one.
+    """
+    domain = shared or first_domain(comm, case.scene, prepared)
+    damage = notched(domain.subdomain.kind)
+    body = CrackedBody(domain, case, damage.damage)
+    zone = comm.bcast(None if prepared is None else prepared.zone)
+    return Progress(body, damage, Refinement(zone), new_record(body.tracker.tip[0]))
+
+
+def restored(
+    comm: MPI.Comm, case: CrackCase, prepared: Prepared | None, saved: Checkpoint
+) -> Progress:
+    """Return where a crack stood when it was saved. Collective.
+
+    Args:
+        comm: The group, as large as then.
+        case: The crack.
+        prepared: Microstructure and first mesh on rank 0, None elsewhere.
+        saved: The checkpoint on rank 0, the one ``without_arrays`` elsewhere.
+    """
+    mesh = on_first_rank(comm, lambda: _mesh(prepared, saved))
+    ratio = None if prepared is None else prepared.ratio
+    domain = Domain(comm, case.scene, mesh, ratio, saved.damage.damage)
+    local = saved.scattered(domain)
+    body = CrackedBody(domain, case, local.damage.damage)
+    domain.equilibrium.restore(local.equilibrium)
+    if local.coupling is not None:
+        body.coupling.restore(local.coupling)
+    # The record has what was counted until then.
+    domain.equilibrium.counters.clear()
+    return Progress(body, local.damage, local.refinement, local.record)
+
+
+def _mesh(prepared: Prepared | None, saved: Checkpoint) -> Mesh:
+    assert prepared is not None
+    return saved.refinement.mesh(prepared.substrate) if saved.record.refinements else prepared.mesh
