@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from pearlite_petsc.ensemble.plain import Arrays, from_plain, to_plain
 from pearlite_petsc.ensemble.sealed_file import DamagedFileError, read_sealed, write_sealed
+from pearlite_petsc.ensemble.serialize import Arrays, deserialize, serialize
 from pearlite_petsc.ensemble.tasks import Task
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.fatigue.outcome import GrowthState, Outcome
@@ -51,7 +51,7 @@ class Store:
         Raises:
             OSError: The folder cannot be written.
         """
-        values, arrays = to_plain(outcome)
+        values, arrays = serialize(outcome)
         self._write(
             self._finished(task), {"task": task.name, "mesh": mesh, "outcome": values}, arrays
         )
@@ -70,7 +70,7 @@ class Store:
             return None
         try:
             header, arrays = self._read(path, task)
-            return from_plain(Outcome, header["outcome"], arrays), str(header["mesh"])
+            return deserialize(Outcome, header["outcome"], arrays), str(header["mesh"])
         except (DamagedFileError, KeyError, TypeError, ValueError) as error:
             _log.warning("%s; the task is computed again", error)
             return None
@@ -95,7 +95,7 @@ class Store:
         Raises:
             OSError: The folder cannot be written.
         """
-        values, arrays = to_plain(checkpoint)
+        values, arrays = serialize(checkpoint)
         header = {
             "form": FORM,
             "task": task.name,
@@ -134,7 +134,7 @@ class Store:
             except DamagedFileError as error:
                 _log.warning("%s; an older checkpoint is used if there is one", error)
                 continue
-            return from_plain(Checkpoint, header["crack"], arrays), states
+            return deserialize(Checkpoint, header["crack"], arrays), states
         return None
 
     def write_state(self, task: Task, number: int, state: GrowthState) -> None:
@@ -175,7 +175,7 @@ class Store:
         states = []
         for number in range(count):
             header, arrays = self._read(self._state(task, number), task)
-            states.append(from_plain(GrowthState, header["state"], arrays))
+            states.append(deserialize(GrowthState, header["state"], arrays))
         return states
 
     def _read(self, path: Path, task: Task) -> tuple[dict[str, Any], Arrays]:
@@ -200,7 +200,7 @@ class Store:
 
 
 def _with_task(task: Task, state: GrowthState) -> tuple[dict[str, Any], Arrays]:
-    values, arrays = to_plain(state)
+    values, arrays = serialize(state)
     return {"task": task.name, "state": values}, arrays
 
 

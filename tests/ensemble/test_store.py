@@ -11,7 +11,7 @@ import pytest
 
 from pearlite_petsc.config import scene_hash
 from pearlite_petsc.ensemble.campaign import look_back
-from pearlite_petsc.ensemble.plain import to_plain
+from pearlite_petsc.ensemble.serialize import serialize
 from pearlite_petsc.ensemble.status import Status
 from pearlite_petsc.ensemble.store import Store, mesh_hash
 from pearlite_petsc.ensemble.tasks import Task, all_tasks
@@ -56,7 +56,7 @@ def checkpoint(solves: int) -> Checkpoint:
 
 def assert_same(one: Any, other: Any) -> None:
     """Assert that two dataclasses hold the same, bit for bit."""
-    (values, arrays), (others, other_arrays) = to_plain(one), to_plain(other)
+    (values, arrays), (others, other_arrays) = serialize(one), serialize(other)
     assert values == others
     assert arrays.keys() == other_arrays.keys()
     for name, array in arrays.items():

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pearlite_petsc.arrays import FloatArray
-from pearlite_petsc.ensemble.plain import from_plain, to_plain
+from pearlite_petsc.ensemble.serialize import deserialize, serialize
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
 
 
@@ -30,8 +30,8 @@ class Outer:
 
 
 def through_json(item: Any) -> Any:
-    values, arrays = to_plain(item)
-    return from_plain(type(item), json.loads(json.dumps(values)), arrays)
+    values, arrays = serialize(item)
+    return deserialize(type(item), json.loads(json.dumps(values)), arrays)
 
 
 def test_nested_dataclasses_come_back_with_arrays_mappings_and_tuples() -> None:
@@ -62,8 +62,8 @@ def test_an_outcome_with_all_its_arrays_comes_back() -> None:
 
 
 def test_a_field_that_the_type_has_not_is_refused() -> None:
-    values, arrays = to_plain(Inner({}, (0.0, 0.0), 0.0))
+    values, arrays = serialize(Inner({}, (0.0, 0.0), 0.0))
     with pytest.raises(TypeError, match="Inner has no colour"):
-        from_plain(Inner, {**values, "colour": 1}, arrays)
+        deserialize(Inner, {**values, "colour": 1}, arrays)
     with pytest.raises(TypeError, match="Inner has no extra"):
-        from_plain(Inner, values, {"extra.values": np.ones(2)})
+        deserialize(Inner, values, {"extra.values": np.ones(2)})

@@ -19,18 +19,18 @@ Arrays = dict[str, NDArray[Any]]
 T = TypeVar("T")
 
 
-def to_plain(item: Any) -> tuple[dict[str, Any], Arrays]:
+def serialize(item: Any) -> tuple[dict[str, Any], Arrays]:
     """Return the values and the arrays of a dataclass; what is None is left out."""
     entries = {field.name: getattr(item, field.name) for field in fields(item) if field.init}
-    return _to_plain(entries)
+    return _serialize(entries)
 
 
-def from_plain(kind: type[T], values: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> T:
-    """Return the dataclass that ``to_plain`` took apart.
+def deserialize(kind: type[T], values: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> T:
+    """Return the dataclass that ``serialize`` took apart.
 
     Args:
         kind: Its type.
-        values, arrays: What ``to_plain`` returned.
+        values, arrays: What ``serialize`` returned.
 
     Raises:
         TypeError: A field is missing, or there is one too many.
@@ -44,14 +44,14 @@ def from_plain(kind: type[T], values: Mapping[str, Any], arrays: Mapping[str, ND
     )
 
 
-def _to_plain(entries: Mapping[str, Any]) -> tuple[dict[str, Any], Arrays]:
+def _serialize(entries: Mapping[str, Any]) -> tuple[dict[str, Any], Arrays]:
     values: dict[str, Any] = {}
     arrays: Arrays = {}
     for name, value in entries.items():
         if isinstance(value, np.ndarray):
             arrays[name] = value
         elif isinstance(value, Mapping) or is_dataclass(value):
-            inner = _to_plain(value) if isinstance(value, Mapping) else to_plain(value)
+            inner = _serialize(value) if isinstance(value, Mapping) else serialize(value)
             values[name] = inner[0]
             arrays |= {f"{name}.{key}": array for key, array in inner[1].items()}
         elif isinstance(value, Enum):
@@ -80,7 +80,7 @@ def _field(
             key.removeprefix(start): array for key, array in arrays.items() if key.startswith(start)
         }
         is_nested = isinstance(hint, type) and is_dataclass(hint)
-        return from_plain(hint, value, inner) if is_nested else {**value, **inner}
+        return deserialize(hint, value, inner) if is_nested else {**value, **inner}
     return value
 
 
