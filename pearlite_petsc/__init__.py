@@ -1,11 +1,12 @@
 """Fatigue crack growth in sheared pearlitic rail steel by the discrete element method.
 
->>> import pearlite_petsc as pp
->>> scene = pp.Scene(loading={"extension_um": 5.0})
->>> mesh = pp.build_mesh(scene, "severe_AT", index=0)
->>> crack = pp.grow_crack(mesh, delta_k_mpa_sqrt_m=18.0)
->>> crack.stop_reason
-'grown'
+Examples:
+    >>> import pearlite_petsc as pp
+    >>> scene = pp.Scene(loading={"extension_um": 5.0})
+    >>> mesh = pp.build_mesh(scene, "severe_AT", index=0)
+    >>> crack = pp.grow_crack(mesh, delta_k_mpa_sqrt_m=18.0)
+    >>> crack.stop_reason
+    'grown'
 
 Names end in their unit wherever a value has one. Everything the program refuses or cannot compute
 is a ``PearliteError``. Importing the package starts neither MPI nor PETSc.

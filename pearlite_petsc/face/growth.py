@@ -58,14 +58,15 @@ class Growth(Iterator[Step]):
     Raises:
         PearliteError: Delta-K is outside its limits, or the mesh is not one of ``scene``'s.
 
-    >>> scene = Scene(loading={"extension_um": 20.0})
-    >>> with Growth(build_mesh(scene, "severe_AT"), delta_k_mpa_sqrt_m=18.0) as growth:
-    ...     for step in growth:
-    ...         if step.crack_length_um > 90.0:
-    ...             break
-    ...     crack = growth.crack()
-    >>> crack.stop_reason
-    'stopped'
+    Examples:
+        >>> scene = Scene(loading={"extension_um": 20.0})
+        >>> with Growth(build_mesh(scene, "severe_AT"), delta_k_mpa_sqrt_m=18.0) as growth:
+        ...     for step in growth:
+        ...         if step.crack_length_um > 90.0:
+        ...             break
+        ...     crack = growth.crack()
+        >>> crack.stop_reason
+        'stopped'
     """
 
     def __init__(
@@ -162,14 +163,15 @@ def grow_crack(
     Raises:
         PearliteError: As ``Growth``; or no equilibrium was found.
 
-    >>> mesh = build_mesh(Scene(loading={"extension_um": 5.0}), "severe_AT")
-    >>> crack = grow_crack(mesh, delta_k_mpa_sqrt_m=18.0)
-    >>> crack.history.columns
-    ('cycles', 'crack_length_um', 'path_length_um', 'broken_interfaces')
-    >>> faster = mesh.scene.replace(damage={"c_um5_per_n2": 2 * 4410.0})
-    >>> twice = grow_crack(mesh, delta_k_mpa_sqrt_m=18.0, scene=faster)
-    >>> round(twice.da_dn_m_per_cycle / crack.da_dn_m_per_cycle, 6)
-    2.0
+    Examples:
+        >>> mesh = build_mesh(Scene(loading={"extension_um": 5.0}), "severe_AT")
+        >>> crack = grow_crack(mesh, delta_k_mpa_sqrt_m=18.0)
+        >>> crack.history.columns
+        ('cycles', 'crack_length_um', 'path_length_um', 'broken_interfaces')
+        >>> faster = mesh.scene.replace(damage={"c_um5_per_n2": 2 * 4410.0})
+        >>> twice = grow_crack(mesh, delta_k_mpa_sqrt_m=18.0, scene=faster)
+        >>> round(twice.da_dn_m_per_cycle / crack.da_dn_m_per_cycle, 6)
+        2.0
     """
     with Growth(mesh, delta_k_mpa_sqrt_m=delta_k_mpa_sqrt_m, scene=scene, comm=comm) as growth:
         for _ in growth:

@@ -131,13 +131,14 @@ def build_mesh(scene: Scene, state: str, index: int = 0) -> Mesh:
         PearliteError: The scene has no such state, the index is negative, or the window cannot
             hold a mesh.
 
-    >>> scene = Scene(window={"width_um": 80.0, "height_um": 80.0, "notch_um": 30.0},
-    ...               loading={"extension_um": 20.0})
-    >>> build_mesh(scene, "severe_AT").state
-    'severe_AT'
-    >>> build_mesh(scene, "severe_at")
-    Traceback (most recent call last):
-    pearlite_petsc.errors.SceneError: scene scene: state severe_at is unknown, did you mean severe_AT?
+    Examples:
+        >>> scene = Scene(window={"width_um": 80.0, "height_um": 80.0, "notch_um": 30.0},
+        ...               loading={"extension_um": 20.0})
+        >>> build_mesh(scene, "severe_AT").state
+        'severe_AT'
+        >>> build_mesh(scene, "severe_at")
+        Traceback (most recent call last):
+        pearlite_petsc.errors.SceneError: scene scene: state severe_at is unknown, did you mean severe_AT?
     """
     program = scene._program
     known = config.state_named(program, state)

@@ -24,13 +24,14 @@ class Scene(Mapping[str, Any]):
         PearliteError: A table, key or value cannot be used; the message names it, its limits and
             the nearest known name.
 
-    >>> scene = Scene(loading={"delta_k_mpa_sqrt_m": [12.0, 18.0]}, ensemble={"meshes": 2})
-    >>> scene
-    <Scene scene: 5 states x 2 meshes x 2 Delta-K = 20 cracks, window 200 x 200 um>
-    >>> scene["loading"]["load_ratio"]
-    0.1
-    >>> scene.states["severe_AT"]["yield_stress_mpa"]
-    1024.0
+    Examples:
+        >>> scene = Scene(loading={"delta_k_mpa_sqrt_m": [12.0, 18.0]}, ensemble={"meshes": 2})
+        >>> scene
+        <Scene scene: 5 states x 2 meshes x 2 Delta-K = 20 cracks, window 200 x 200 um>
+        >>> scene["loading"]["load_ratio"]
+        0.1
+        >>> scene.states["severe_AT"]["yield_stress_mpa"]
+        1024.0
     """
 
     __slots__ = ("_program", "_tables")
@@ -45,8 +46,9 @@ class Scene(Mapping[str, Any]):
         Raises:
             PearliteError: As the class.
 
-        >>> Scene.from_dict({"states": {"undeformed": {}}}).states.keys()
-        dict_keys(['undeformed'])
+        Examples:
+            >>> Scene.from_dict({"states": {"undeformed": {}}}).states.keys()
+            dict_keys(['undeformed'])
         """
         return cls._of(config.scene_from_tables(tables, "Scene"))
 
@@ -81,10 +83,11 @@ class Scene(Mapping[str, Any]):
         Raises:
             PearliteError: As the class.
 
-        >>> base = Scene()
-        >>> seeds = [base.replace(microstructure={"seed": seed}) for seed in (1, 2)]
-        >>> base.replace(states=["severe_AT"], loading={"load_ratio": 0.5}).states.keys()
-        dict_keys(['severe_AT'])
+        Examples:
+            >>> base = Scene()
+            >>> seeds = [base.replace(microstructure={"seed": seed}) for seed in (1, 2)]
+            >>> base.replace(states=["severe_AT"], loading={"load_ratio": 0.5}).states.keys()
+            dict_keys(['severe_AT'])
         """
         tables = self.to_dict()
         for name, change in changes.items():

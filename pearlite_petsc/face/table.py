@@ -14,15 +14,16 @@ class Table:
     Args:
         columns: Values of each column, by its name; (rows,) each.
 
-    >>> history = Table({"cycles": [0.0, 4200.0], "crack_length_um": [80.0, 81.5]})
-    >>> history.crack_length_um
-    array([80. , 81.5])
-    >>> history["cycles"].tolist()
-    [0.0, 4200.0]
-    >>> [row["crack_length_um"] for row in history]
-    [80.0, 81.5]
-    >>> history
-    <Table of 2 rows: cycles, crack_length_um>
+    Examples:
+        >>> history = Table({"cycles": [0.0, 4200.0], "crack_length_um": [80.0, 81.5]})
+        >>> history.crack_length_um
+        array([80. , 81.5])
+        >>> history["cycles"].tolist()
+        [0.0, 4200.0]
+        >>> [row["crack_length_um"] for row in history]
+        [80.0, 81.5]
+        >>> history
+        <Table of 2 rows: cycles, crack_length_um>
     """
 
     __slots__ = ("_arrays",)

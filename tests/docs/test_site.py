@@ -7,11 +7,18 @@ from pathlib import Path
 
 import pytest
 
+import pearlite_petsc as pp
 from pearlite_petsc import laws
 from tests.docs.pages import PAGES, ROOT
 
 pytest.importorskip("mkdocs")
-PUBLIC = {"laws.html": {f"pearlite_petsc.laws.{name}" for name in laws.__all__}}
+PUBLIC = {
+    "laws.html": {f"pearlite_petsc.laws.{name}" for name in laws.__all__},
+    # There is a command of this name, too.
+    "python.html": {
+        f"pearlite_petsc.{'face.run.run' if name == 'run' else name}" for name in pp.__all__
+    },
+}
 """Page -> what it describes."""
 
 
