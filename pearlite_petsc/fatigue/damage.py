@@ -46,6 +46,30 @@ def threshold_stress(interfaces: DamageInterfaces, damage: Damage) -> FloatArray
     return np.full(len(interfaces.length), interfaces.remote_threshold)
 
 
+_THRESHOLD_RATIOS = np.array([0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9])
+_STRAIGHT_CRACK_FACTORS = np.array([3.15, 3.07, 3.41, 3.74, 4.24, 4.94, 5.99, 7.02])
+
+
+def straight_crack_factor(threshold_ratio: FloatArray) -> FloatArray:
+    """Return f of da/dN = f (C/S) (b/sqrt(l_ref))^3 (Delta-K - Delta-K_th)^3, law ``objective``.
+
+    f would be 1 if an interface bore b Delta-K/sqrt(L) until it breaks. What is left of a damaged
+    one bears more: 1/(1 - g D) times as much with the share g = 1/1.32 of the compliance, so that
+    f = 4g/(1 - (1 - g)^4) = 3.04 without a threshold; damage further ahead adds 4 %. Under a
+    threshold the excess grows faster than the stress, and f with it. Measured on straight cracks
+    in squares of 3 and 6 um, whose mean this is; they differ by 0.5 % without a threshold, by 6 %
+    at a ratio of 0.5, by 15 % at 0.8 (``pearlite verify --only objectivity``).
+
+    Args:
+        threshold_ratio: Delta-K_th/Delta-K; above 0.9 as at 0.9; any shape.
+
+    Example:
+        >>> straight_crack_factor(np.array([0.0, 0.5])).tolist()
+        [3.15, 3.74]
+    """
+    return np.asarray(np.interp(threshold_ratio, _THRESHOLD_RATIOS, _STRAIGHT_CRACK_FACTORS))
+
+
 def printed(interfaces: DamageInterfaces, damage: Damage) -> RateConstants:
     """Return dD/dN = C/(S L) <dsigma - dsigma_th>^3, Eq. (28)-(31)."""
     factor = damage.c / (interfaces.strength * interfaces.length)
@@ -55,7 +79,8 @@ def printed(interfaces: DamageInterfaces, damage: Damage) -> RateConstants:
 def objective(interfaces: DamageInterfaces, damage: Damage) -> RateConstants:
     """Return dD/dN = C/(S l_ref^(3/2) L) <dsigma sqrt(L) - b Delta-K_th>^3.
 
-    It gives da/dN = (C/S) (b/sqrt(l_ref))^3 (Delta-K - Delta-K_th)^3 at any element size.
+    It gives da/dN = f (C/S) (b/sqrt(l_ref))^3 (Delta-K - Delta-K_th)^3 for a straight crack, f from
+    ``straight_crack_factor``.
     """
     factor = damage.c / (interfaces.strength * interfaces.length)
     factor = factor * (interfaces.length / damage.reference_length) ** 1.5
