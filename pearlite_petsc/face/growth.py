@@ -158,7 +158,10 @@ def grow_crack(
     """Grow a crack from the notch of a mesh to its end. Collective over ``comm``.
 
     Args:
-        mesh, delta_k_mpa_sqrt_m, scene, comm: As ``Growth`` takes them.
+        mesh: Where the crack starts.
+        delta_k_mpa_sqrt_m: Range of the stress intensity factor [MPa sqrt(m)].
+        scene: Law, load and solver, where they are not the mesh's scene's; as for ``Growth``.
+        comm: Ranks that share the crack; all there are if None.
 
     Raises:
         PearliteError: As ``Growth``; or no equilibrium was found.
