@@ -8,8 +8,8 @@ fraction of that force that is gone, and its damage is the integral of the rates
 import numpy as np
 
 from pearlite_petsc.arrays import FloatArray, IntArray
+from pearlite_petsc.fatigue.course import Course
 from pearlite_petsc.fatigue.drive import Drive
-from pearlite_petsc.fatigue.softening import Course
 
 _PASSIVE = 1e-5
 

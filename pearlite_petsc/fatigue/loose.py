@@ -21,10 +21,10 @@ class LooseClusters:
         self._mesh = mesh
         self._broken = np.zeros_like(broken)
         self._begin()
-        self.take(np.flatnonzero(broken))
+        self.add(np.flatnonzero(broken))
 
-    def attempt(self, fresh: IntArray) -> None:
-        """Look what breaks on trial would cut off, those before that were not taken left out.
+    def foresee(self, fresh: IntArray) -> None:
+        """Look what breaks on trial would cut off, those before that were not added left out.
 
         Args:
             fresh: Their numbers.
@@ -43,9 +43,9 @@ class LooseClusters:
             broken[list(self._tried)] = True
             self._search(broken)
 
-    def take(self, fresh: IntArray) -> None:
-        """Take newly broken interfaces, tried before or not; raises as ``attempt``."""
-        self.attempt(fresh)
+    def add(self, fresh: IntArray) -> None:
+        """Add newly broken interfaces, tried before or not; raises as ``foresee``."""
+        self.foresee(fresh)
         self._broken[fresh] = True
         self._tried.clear()
 
@@ -58,7 +58,7 @@ class LooseClusters:
         for junction in border[1:]:
             self._join(int(border[0]), int(junction))
         if self._broken.any():
-            self.attempt(np.flatnonzero(self._broken))
+            self.foresee(np.flatnonzero(self._broken))
             self._tried.clear()
 
     def _join(self, a: int, b: int) -> bool:

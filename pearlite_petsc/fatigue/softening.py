@@ -1,4 +1,4 @@
-"""Interfaces that soften together: their jumps at any damage, and the way to the next break.
+"""Interfaces that soften together: their jumps at any damage.
 
 The body outside a few interfaces is linear. With the compliance C of their jumps to pairs of
 forces, each with its springs as they were at the damage D_0, the jumps at a damage D are
@@ -9,7 +9,6 @@ exact as long as nothing else softens: ``shift`` is how far the load has followe
 what that does to the jumps. ``residual`` is what a solve at the end of a block finds beside it.
 """
 
-import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,22 +19,68 @@ from pearlite_petsc.fatigue.release import released
 from pearlite_petsc.laws.damage import RateConstants
 
 SOFTENING = 0.02
-"""Share of its force from which an interface that lets go moves the load."""
-
-TOLERANCE = 1e-2
-"""Error of a step in damage, and of its cycles over all cycles so far."""
+"""Fraction of its force from which an interface that lets go moves the load."""
 
 SMALL_RESIDUAL = 3e-3
-"""Share of the jumps below which what a solve finds changes nothing."""
-
-_FIRST_STEP, _SHORTEST_STEP = 0.4, 1e-7
-_MOST_TRIES = 500
-# Bogacki and Shampine's third-order step, and its difference from the second-order one.
-_STAGES = (np.array([1 / 2]), np.array([0.0, 3 / 4]), np.array([2 / 9, 1 / 3, 4 / 9]))
-_ERROR = np.array([-5 / 72, 1 / 12, 1 / 9, -1 / 8])
+"""Fraction of the jumps below which what a solve finds changes nothing."""
 
 _Lengthening = tuple[tuple[int, float, float, float], ...]
 # Number, g and advance [um] of the few interfaces that would lengthen the crack.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FollowingLoad:
+    """How the load follows the tip to where the interfaces that soften will take it.
+
+    Attributes:
+        damage: D_0; (a,).
+        stiffness_ratio: g of each alone, by which its release of force moves the load; (a,).
+        advance: Where the tip would go if it broke, from where it is [um]; (a, 2).
+        pull: Jumps per um that the load moves in x and in y [um, um, rad]; (a, 3, 2).
+    """
+
+    damage: FloatArray
+    stiffness_ratio: FloatArray
+    advance: FloatArray
+    pull: FloatArray
+    _lengthening: _Lengthening = field(init=False, repr=False)
+    _start: tuple[float, float] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        numbers = np.flatnonzero(self.advance[:, 0] > 0.0).tolist()
+        lengthening = tuple(
+            (number, self.stiffness_ratio.item(number), *self.advance[number].tolist())
+            for number in numbers
+        )
+        object.__setattr__(self, "_lengthening", lengthening)
+        object.__setattr__(self, "_start", self.centre(self.damage))
+
+    def centre(self, damage: FloatArray) -> tuple[float, float]:
+        """Return how far the load is ahead of the tip at a damage (a,) [um]."""
+        best, centre = 0.0, (0.0, 0.0)
+        for number, stiffness_ratio, x, y in self._lengthening:
+            gone = released(damage.item(number), stiffness_ratio)
+            if gone > SOFTENING and gone * x > best:
+                best, centre = gone * x, (gone * x, gone * y)
+        return centre
+
+    def jumps(self, damage: FloatArray) -> FloatArray:
+        """Return what the load's way from D_0 to a damage (a,) adds to the jumps; (a, 3)."""
+        x, y = self.centre(damage)
+        return np.asarray(self.pull @ (x - self._start[0], y - self._start[1]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Correction:
+    """What a solve at the end of a block found beside what was foreseen.
+
+    Attributes:
+        residual: What the free jumps gain by the block's end [um, um, rad]; (a, 3).
+        force: ``force_let_go`` at that end, > 0 [uN].
+    """
+
+    residual: FloatArray
+    force: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,12 +96,8 @@ class Softening:
         compliance: C, row and column 3 i + c for jump c of interface i; (3 a, 3 a).
         law: Rate constants.
         nominal: Whether (1 - D) times the effective stress drives the damage.
-        share: g of each alone, by which its release of force moves the load; (a,).
-        advance: Where the tip would go if it broke, from where it is [um]; (a, 2).
-        centre: Of the load at D_0, from the tip [um]; (2,).
-        pull: Jumps per um that the load moves in x and in y; (a, 3, 2).
-        residual: What else the free jumps gain by the block's end; (a, 3).
-        moment_end: ``moment`` at that end, 0 where there is no residual.
+        load: How the load follows.
+        correction: What a solve found, None before the first and where it found nothing.
     """
 
     damage: FloatArray
@@ -67,35 +108,25 @@ class Softening:
     compliance: FloatArray
     law: RateConstants
     nominal: bool
-    share: FloatArray
-    advance: FloatArray
-    centre: FloatArray
-    pull: FloatArray
-    residual: FloatArray
-    moment_end: float = 0.0
+    load: FollowingLoad
+    correction: Correction | None = None
     _compliance: FloatArray = field(init=False, repr=False)
-    _lengthening: _Lengthening = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         # As the solver of the few equations wants it.
         object.__setattr__(self, "_compliance", np.asfortranarray(self.compliance))
-        object.__setattr__(self, "_lengthening", _lengthening(self.share, self.advance))
-
-    @property
-    def is_corrected(self) -> bool:
-        """Whether a solve found more than was foreseen."""
-        return self.moment_end > 0.0
 
     def jumps_at(self, damage: FloatArray) -> FloatArray:
         """Return the jumps at another damage; (a, 3)."""
         free = self._free(damage)
-        if not self.is_corrected:
+        if self.correction is None:
             return _solved(self._system(damage), free.reshape(-1, 1)).reshape(-1, 3)
-        both = np.array([free.ravel(), self.residual.ravel()]).T
+        both = np.array([free.ravel(), self.correction.residual.ravel()]).T
         base, more = _solved(self._system(damage), both).T.reshape(2, -1, 3)
-        return np.asarray(base + more * (self.moment(damage, base) / self.moment_end))
+        fraction = self.force_let_go(damage, base) / self.correction.force
+        return np.asarray(base + more * fraction)
 
-    def moment(self, damage: FloatArray, jump: FloatArray) -> float:
+    def force_let_go(self, damage: FloatArray, jump: FloatArray) -> float:
         """Return the force that the interfaces have let go since the block's start [uN].
 
         It is what the rest of the body feels of them.
@@ -119,12 +150,12 @@ class Softening:
         """
         free = (self._system(damage) @ jump.ravel()).reshape(-1, 3)
         residual = free - self._free(damage)
-        moment = self.moment(damage, jump)
+        force = self.force_let_go(damage, jump)
         size = np.linalg.norm(residual * np.sqrt(self.constants))
         least = SMALL_RESIDUAL * np.linalg.norm(self.jump * np.sqrt(self.constants))
-        if size < least:
-            return replace(self, moment_end=0.0)
-        return replace(self, residual=residual, moment_end=moment)
+        if size < least or force == 0.0:
+            return replace(self, correction=None)
+        return replace(self, correction=Correction(residual, force))
 
     def _system(self, damage: FloatArray) -> FloatArray:
         let_go = (self.constants * (self.damage - damage)[:, None]).ravel()
@@ -133,34 +164,7 @@ class Softening:
         return system
 
     def _free(self, damage: FloatArray) -> FloatArray:
-        x, y = _load_centre(damage, self._lengthening)
-        shift = x - self.centre[0], y - self.centre[1]
-        return np.asarray(self.jump + self.pull @ shift)
-
-
-def load_centre(damage: FloatArray, share: FloatArray, advance: FloatArray) -> FloatArray:
-    """Return how far the load is ahead of the tip for what softens [um]; (2,).
-
-    Args:
-        damage: D; (a,).
-        share: g of each alone; (a,).
-        advance: Where the tip would go if it broke [um]; (a, 2).
-    """
-    return np.array(_load_centre(damage, _lengthening(share, advance)))
-
-
-def _lengthening(share: FloatArray, advance: FloatArray) -> _Lengthening:
-    numbers = np.flatnonzero(advance[:, 0] > 0.0).tolist()
-    return tuple((number, share.item(number), *advance[number].tolist()) for number in numbers)
-
-
-def _load_centre(damage: FloatArray, lengthening: _Lengthening) -> tuple[float, float]:
-    best, centre = 0.0, (0.0, 0.0)
-    for number, share, x, y in lengthening:
-        gone = released(damage.item(number), share)
-        if gone > SOFTENING and gone * x > best:
-            best, centre = gone * x, (gone * x, gone * y)
-    return centre
+        return np.asarray(self.jump + self.load.jumps(damage))
 
 
 def _solved(system: FloatArray, right: FloatArray) -> FloatArray:
@@ -169,127 +173,3 @@ def _solved(system: FloatArray, right: FloatArray) -> FloatArray:
     if info:
         raise np.linalg.LinAlgError(f"softening interfaces: pivot {info} vanishes")
     return np.asarray(solution)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Course:
-    """How a block goes.
-
-    Attributes:
-        cycles: Since the block's start, ascending from 0 [cycles]; (m,).
-        damage: Of the softening interfaces; (m, a).
-        released: Share of the force let go in the block that is gone by then, 0 to 1; (m,).
-        first: Interface that reached its limit, None where none did.
-    """
-
-    cycles: FloatArray
-    damage: FloatArray
-    released: FloatArray
-    first: int | None
-
-
-def course_of(softening: Softening, longest: float = math.inf) -> Course:
-    """Return the way from the block's start until the first interface reaches its limit.
-
-    The damage of the interface that leads is the independent variable, which keeps the integrand
-    smooth where rates rise a hundredfold; steps of third order with an estimate of their error
-    (Bogacki and Shampine).
-
-    Args:
-        softening: The interfaces.
-        longest: Cycles after which the block may end without that, between half as many and these.
-    """
-    state = _start_of(softening)
-    nodes = [(state.cycles, state.damage, 0.0)]
-    relieved = np.zeros(len(state.damage), dtype=bool)
-    step, lead, first = _FIRST_STEP, -1, None
-    for _ in range(_MOST_TRIES):
-        room = softening.limit - state.damage
-        if lead < 0:
-            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-                time = np.where((state.rate > 0.0) & ~relieved, room / state.rate, np.inf)
-            lead = int(np.argmin(time))
-            if not np.isfinite(time[lead]):
-                break
-        # Never the whole way at once, which would leave nothing to compare with.
-        size = min(step, float(room[lead]) * (0.5 if len(nodes) == 1 else 1.0))
-        after, error = _step(softening, state, lead, size)
-        if after is None:
-            step = 0.3 * size
-            if step < _SHORTEST_STEP:
-                relieved[lead] = True
-                step, lead = _FIRST_STEP, -1
-            continue
-        over = after.damage - state.damage > room * (1.0 + 1e-9)
-        over[lead] = False
-        if over.any():
-            part = np.full(len(room), np.inf)
-            np.divide(room, after.damage - state.damage, out=part, where=over)
-            lead = int(np.argmin(part))
-            step = float(room[lead])
-            continue
-        if after.cycles > longest:
-            if state.cycles > 0.5 * longest or size < _SHORTEST_STEP:
-                break
-            step = 0.9 * size * (longest - state.cycles) / (after.cycles - state.cycles)
-            continue
-        factor = 0.8 * (TOLERANCE / max(error, 1e-9)) ** (1.0 / 3.0)
-        if error > TOLERANCE and size > _SHORTEST_STEP:
-            step = size * max(factor, 0.2)
-            continue
-        at_limit = size == room[lead]
-        if at_limit:
-            after.damage[lead] = softening.limit[lead]
-        state = after
-        nodes.append((state.cycles, state.damage, softening.moment(state.damage, state.jump)))
-        if at_limit:
-            first = lead
-            break
-        step, lead = size * min(factor, 4.0), -1
-    cycles, damage, moments = (np.array(values) for values in zip(*nodes, strict=True))
-    whole = moments[-1]
-    share = moments / whole if whole > 0.0 else np.linspace(0.0, 1.0, len(moments))
-    return Course(cycles, damage, share, first)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Moment:
-    """Cycles since the block's start, and damage, jumps and rates then."""
-
-    cycles: float
-    damage: FloatArray
-    jump: FloatArray
-    rate: FloatArray
-
-
-def _start_of(softening: Softening) -> _Moment:
-    rate = softening.rate_at(softening.damage, softening.jump)
-    return _Moment(0.0, softening.damage, softening.jump, rate)
-
-
-def _step(
-    softening: Softening, start: _Moment, lead: int, size: float
-) -> tuple[_Moment | None, float]:
-    """Return where a step in the damage of one interface leads, and the error made on the way.
-
-    None where that interface has no rate at some point of the step.
-    """
-    # Damage of all and, in the last place, cycles; by the damage of the one.
-    count = len(start.damage)
-    slopes = np.empty((len(_ERROR), count + 1))
-    slopes[0, :count], slopes[0, count] = start.rate, 1.0
-    slopes[0] /= start.rate[lead]
-    point = jump = rate = start.damage
-    for row, weights in enumerate(_STAGES, 1):
-        point = size * (weights @ slopes[:row])
-        damage = np.minimum(start.damage + point[:count], 1.0)
-        jump = softening.jumps_at(damage)
-        rate = softening.rate_at(damage, jump)
-        if not rate[lead] > 0.0:
-            return None, 0.0
-        slopes[row, :count], slopes[row, count] = rate, 1.0
-        slopes[row] /= rate[lead]
-    off = np.abs(size * (_ERROR @ slopes))
-    cycles = start.cycles + float(point[count])
-    error = max(float(off[:count].max()), float(off[count]) / cycles)
-    return _Moment(cycles, damage, jump, rate), error

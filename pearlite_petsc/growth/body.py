@@ -99,7 +99,7 @@ class CrackedBody:
         Raises:
             SolverError: A cluster that carries boundary load is cut off.
         """
-        on_first_rank(self.domain.comm, lambda: self._clusters.attempt(broken.numbers))
+        on_first_rank(self.domain.comm, lambda: self._clusters.foresee(broken.numbers))
 
     def lengthen(self, broken: Edges) -> list[Point]:
         """Add broken interfaces to the crack; return the points that it newly reaches [um]."""
@@ -113,7 +113,7 @@ class CrackedBody:
         Raises:
             SolverError: A cluster that carries boundary load is cut off.
         """
-        on_first_rank(self.domain.comm, lambda: self._clusters.take(broken.numbers))
+        on_first_rank(self.domain.comm, lambda: self._clusters.add(broken.numbers))
 
     def near(self, broken: Edges) -> BoolArray:
         """Return which of this rank's interfaces feel some breaks much; (k,)."""

@@ -8,7 +8,7 @@ import numpy as np
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.crack import CrackTracker
 from pearlite_petsc.fatigue.drive import Drive
-from pearlite_petsc.fatigue.softening import Softening, load_centre
+from pearlite_petsc.fatigue.softening import FollowingLoad, Softening
 from pearlite_petsc.growth.checkpoint import CouplingState
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.growth.load import TipLoad
@@ -126,7 +126,7 @@ class Coupling:
         for number in place:
             advance[number] = self._advance(number)
         table = self.values_of(numbers, np.column_stack([*columns, advance]))
-        damage, limit, share, factor, threshold = table[:, :5].T
+        damage, limit, ratio, factor, threshold = table[:, :5].T
         return Softening(
             damage=damage,
             limit=limit,
@@ -136,11 +136,7 @@ class Coupling:
             compliance=compliance,
             law=replace(drive.law, factor=factor, threshold=threshold),
             nominal=drive.nominal,
-            share=share,
-            advance=table[:, 13:15],
-            centre=load_centre(damage, share, table[:, 13:15]),
-            pull=pull,
-            residual=np.zeros((len(numbers), 3)),
+            load=FollowingLoad(damage, ratio, table[:, 13:15], pull),
         )
 
     def state(self) -> CouplingState | None:

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from pearlite_petsc.fatigue.between_solves import damage_at_end
+from pearlite_petsc.fatigue.course import Course
 from pearlite_petsc.fatigue.drive import Drive
-from pearlite_petsc.fatigue.softening import Course
 from pearlite_petsc.laws import RateConstants
 
 CYCLES = np.array([0.0, 100.0, 250.0, 400.0])

@@ -40,7 +40,7 @@ def test_an_element_is_loose_when_the_last_of_its_interfaces_breaks_and_not_befo
     for place, interface in enumerate(ring):
         assert not clusters.loose.any(), place
         broken[interface] = True
-        clusters.take(np.array([interface]))
+        clusters.add(np.array([interface]))
     assert np.flatnonzero(clusters.loose).tolist() == [element]
 
 
@@ -52,7 +52,7 @@ def test_loose_elements_are_those_outside_the_largest_cluster_after_every_break(
     clusters = LooseClusters(MESH, broken)
     for step in np.array_split(order, 25):
         broken[step] = True
-        clusters.take(step)
+        clusters.add(step)
         label = components(MESH, broken)
         main = max(set(label), key=label.count)
         assert [item != main for item in label] == clusters.loose.tolist()
@@ -81,4 +81,4 @@ def test_cutting_off_a_loaded_corner_is_an_error_that_names_the_element() -> Non
     clusters = LooseClusters(MESH, broken)
     broken[ring] = True
     with pytest.raises(SolverError, match=f"element {corner} .*boundary load"):
-        clusters.take(np.array(ring))
+        clusters.add(np.array(ring))

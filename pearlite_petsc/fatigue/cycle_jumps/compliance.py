@@ -13,11 +13,12 @@ import numpy as np
 
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.between_solves import damage_at_end
+from pearlite_petsc.fatigue.course import Course, course_of
 from pearlite_petsc.fatigue.cycle_jumps.situation import Block, Situation, Trial, Trials
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.extrapolation import Extrapolation, snapped
 from pearlite_petsc.fatigue.release import next_release
-from pearlite_petsc.fatigue.softening import Course, Softening, course_of
+from pearlite_petsc.fatigue.softening import Softening
 
 ABOUT_TO_BREAK = 0.99
 """Share of the failure damage that interfaces may come to which were not seen to soften."""
@@ -143,7 +144,9 @@ class _Forecast:
         values_of = self.start.coupling.values_of
         seen = (values_of(self.numbers, values) for values in (trial.damage, jump))
         softening = self.softening.corrected(*seen)
-        course = course_of(softening, self.longest) if softening.is_corrected else foreseen
+        course = foreseen
+        if softening.correction is not None:
+            course = course_of(softening, self.longest)
         return replace(self, softening=softening, course=course)
 
     def jump_at_end(self, jump: FloatArray) -> FloatArray:

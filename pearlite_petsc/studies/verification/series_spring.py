@@ -6,12 +6,13 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.fatigue.course import course_of
 from pearlite_petsc.fatigue.cycle_jumps.exponential import exponent
 from pearlite_petsc.fatigue.damage import damage_interfaces
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.extrapolation import Extrapolation, RateModel
 from pearlite_petsc.fatigue.release import next_release
-from pearlite_petsc.fatigue.softening import Softening, course_of
+from pearlite_petsc.fatigue.softening import FollowingLoad, Softening
 from pearlite_petsc.laws.damage import RateConstants
 from pearlite_petsc.mechanics.lefm import TIP_FACTOR
 from pearlite_petsc.scene import Kind, State
@@ -131,11 +132,7 @@ class SeriesSpring:
             compliance=np.eye(3) * share / (1.0 - share * damage),
             law=drive.law,
             nominal=self.nominal,
-            share=share,
-            advance=np.zeros((1, 2)),
-            centre=np.zeros(2),
-            pull=np.zeros((1, 3, 2)),
-            residual=np.zeros((1, 3)),
+            load=FollowingLoad(damage, share, np.zeros((1, 2)), np.zeros((1, 3, 2))),
         )
 
     def _exponent(self, last: Drive, drive: Drive, known: float) -> float:

@@ -16,7 +16,7 @@ from pearlite_petsc.fatigue.cycle_jumps.situation import (
 )
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.release import stiffness_ratio
-from pearlite_petsc.fatigue.softening import Softening
+from pearlite_petsc.fatigue.softening import FollowingLoad, Softening
 from pearlite_petsc.laws import RateConstants
 from pearlite_petsc.mechanics.springs import Stiffness
 
@@ -95,11 +95,12 @@ class Body:
             compliance=compliance[np.ix_(rows, rows)],
             law=RateConstants(law.factor[numbers], law.threshold[numbers], law.beta),
             nominal=False,
-            share=stiffness_ratio[numbers],
-            advance=np.zeros((count, 2)),
-            centre=np.zeros(2),
-            pull=np.zeros((count, 3, 2)),
-            residual=np.zeros((count, 3)),
+            load=FollowingLoad(
+                drive.damage[numbers],
+                stiffness_ratio[numbers],
+                np.zeros((count, 2)),
+                np.zeros((count, 3, 2)),
+            ),
         )
 
     # What runs a cycle jump.
