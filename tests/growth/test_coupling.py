@@ -109,12 +109,13 @@ def test_the_pull_of_a_load_that_follows_the_tip_is_foreseen() -> None:
     number = max(np.argsort(GAP)[:12], key=lambda each: _lengthens(body, each))
     numbers = np.array([number])
     foreseen, _ = softening_of(body, START.damage, numbers)
-    assert foreseen.advance[0, 0] > 0.0
+    assert foreseen.load.advance[0, 0] > 0.0
     damage = START.damage.copy()
     damage[number] = 0.6
     exact = body.solve(damage)[numbers]
     found = foreseen.jumps_at(damage[numbers])
-    still = replace(foreseen, advance=np.zeros((1, 2))).jumps_at(damage[numbers])
+    fixed = replace(foreseen.load, advance=np.zeros((1, 2)))
+    still = replace(foreseen, load=fixed).jumps_at(damage[numbers])
     assert np.abs(found - exact).max() < 0.01 * np.abs(exact).max()
     assert np.abs(still - exact).max() > 3.0 * np.abs(found - exact).max()
     body.domain.close()
@@ -138,7 +139,7 @@ def test_a_restored_coupling_foresees_the_same_bits() -> None:
     jump = one.solve(further)
     found = [softening_with(body, further, NEAR, jump) for body in (one, other)]
     assert np.array_equal(found[0].compliance, found[1].compliance)
-    assert np.array_equal(found[0].pull, found[1].pull)
+    assert np.array_equal(found[0].load.pull, found[1].load.pull)
     one.domain.close()
     other.domain.close()
 
