@@ -1,13 +1,13 @@
 """One run from the output folder to the report: what the command does once MPI is there."""
 
 import logging
-from contextlib import ExitStack, suppress
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from resource import RUSAGE_SELF, getrusage
 from time import monotonic
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -208,32 +208,25 @@ class _LogFile(logging.FileHandler):
         """Lose the record."""
 
 
-class logging_to:  # noqa: N801
-    """Context: log into ``run.log``, other ranks their warnings into ``run.<rank>.log``."""
-
-    def __init__(self, folder: Path, rank: int) -> None:
-        name = "run.log" if rank == 0 else f"run.{rank}.log"
-        self._handler = _LogFile(folder / name, delay=rank > 0, encoding="utf-8")
-        self._handler.setLevel(logging.INFO if rank == 0 else logging.WARNING)
-        form = "%(asctime)s %(levelname)s %(name)s: %(message)s"
-        self._handler.setFormatter(logging.Formatter(form))
-
-    def __enter__(self) -> None:
-        logger = logging.getLogger("pearlite_petsc")
-        self._level = logger.level
-        logger.setLevel(logging.INFO)
-        logger.addHandler(self._handler)
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        logger = logging.getLogger("pearlite_petsc")
-        if error is not None:
-            logger.error("the run ends with an error", exc_info=error)
-        logger.setLevel(self._level)
-        logger.removeHandler(self._handler)
+@contextmanager
+def logging_to(folder: Path, rank: int) -> Iterator[None]:
+    """Log into ``run.log``, other ranks their warnings into ``run.<rank>.log``."""
+    name = "run.log" if rank == 0 else f"run.{rank}.log"
+    handler = _LogFile(folder / name, delay=rank > 0, encoding="utf-8")
+    handler.setLevel(logging.INFO if rank == 0 else logging.WARNING)
+    form = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+    handler.setFormatter(logging.Formatter(form))
+    logger = logging.getLogger("pearlite_petsc")
+    level = logger.level
+    logger.setLevel(logging.INFO)
+    logger.addHandler(handler)
+    try:
+        yield
+    except BaseException:
+        logger.exception("the run ends with an error")
+        raise
+    finally:
+        logger.setLevel(level)
+        logger.removeHandler(handler)
         with suppress(OSError):
-            self._handler.close()
+            handler.close()

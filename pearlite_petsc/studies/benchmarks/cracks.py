@@ -96,13 +96,11 @@ def grow(plan: Plan, overrides: Sequence[str] = (), scene_text: str = "") -> dic
 
 
 def _grown(scene: Scene, state: State, delta_k: float, prepared: "Prepared", share: float) -> Grown:
-    from mpi4py import MPI
-
-    from pearlite_petsc.growth.loop import CrackGrowth
+    from pearlite_petsc.studies.growing import grow_alone
 
     started = process_time()
     try:
-        outcome = CrackGrowth(MPI.COMM_SELF, scene, state, 1000.0 * delta_k, prepared).grown()
+        outcome = grow_alone(scene, state, 1000.0 * delta_k, prepared)
     except Exception as error:
         # A benchmark of limits: whatever happens is its result.
         return _failure(error, share + process_time() - started)

@@ -3,14 +3,12 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from mpi4py import MPI
 
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.damage import damage_interfaces
 from pearlite_petsc.fatigue.drive import Drive
 from pearlite_petsc.fatigue.extrapolation import Extrapolation
 from pearlite_petsc.fatigue.outcome import Outcome
-from pearlite_petsc.growth.loop import CrackGrowth
 from pearlite_petsc.growth.prepared import Prepared, prepare_growth
 from pearlite_petsc.mechanics.loads import AiryFunction, williams_mode_one
 from pearlite_petsc.mechanics.springs import spring_stiffness
@@ -19,6 +17,7 @@ from pearlite_petsc.microstructure.labels import LabelMap, Level
 from pearlite_petsc.scene import Kind, Scene, State
 from pearlite_petsc.studies.bodies import rotated
 from pearlite_petsc.studies.cases import DAMAGE, STATES, STEEL, scene_of
+from pearlite_petsc.studies.growing import grow_alone
 from pearlite_petsc.studies.verification.claim import Section, Setting
 from pearlite_petsc.studies.verification.exact import turned_load
 from pearlite_petsc.tessellation.build import tessellate
@@ -37,7 +36,7 @@ def metamorphic(setting: Setting) -> Section:
     for name in names:
         state = STATES[name]
         prepared = prepare_growth(scene, state, 0)
-        first = grow(scene, state, prepared)
+        first = grow_alone(scene, state, DELTA_K, prepared)
         _threshold_free(section, scene, state, prepared)
         _constant(section, scene, state, prepared, first)
         _mirror(section, scene, state, prepared, first)
@@ -47,19 +46,9 @@ def metamorphic(setting: Setting) -> Section:
     return section
 
 
-def grow(
-    scene: Scene, state: State, prepared: Prepared | None = None, delta_k: float = DELTA_K
-) -> Outcome:
-    """Grow one crack to its end on one rank."""
-    prepared = prepared or prepare_growth(scene, state, 0)
-    outcome = CrackGrowth(MPI.COMM_SELF, scene, state, delta_k, prepared).grown()
-    assert outcome is not None
-    return outcome
-
-
 def _threshold_free(section: Section, scene: Scene, state: State, prepared: Prepared) -> None:
     free = replace(state, delta_k_th=0.0)
-    single, double = (grow(scene, free, prepared, factor * DELTA_K) for factor in (1.0, 2.0))
+    single, double = (grow_alone(scene, free, factor * DELTA_K, prepared) for factor in (1.0, 2.0))
     _same_cracks(section, f"{state.name}: Delta-K_th = 0 and Delta-K doubled", single, double)
     section.close(
         f"{state.name}: Delta-K_th = 0 and Delta-K doubled: ratio of da/dN",
@@ -74,7 +63,7 @@ def _constant(
     section: Section, scene: Scene, state: State, prepared: Prepared, first: Outcome
 ) -> None:
     doubled = replace(scene, damage=replace(scene.damage, c=2.0 * scene.damage.c))
-    second = grow(doubled, state, prepared)
+    second = grow_alone(doubled, state, DELTA_K, prepared)
     _same_cracks(section, f"{state.name}: C doubled", first, second)
     section.close(
         f"{state.name}: C doubled: ratio of cycles",
@@ -123,7 +112,7 @@ def _mirrored_angle(angle: FloatArray) -> FloatArray:
 def _mirror(
     section: Section, scene: Scene, state: State, prepared: Prepared, first: Outcome
 ) -> None:
-    second = grow(scene, state, mirrored(prepared))
+    second = grow_alone(scene, state, DELTA_K, mirrored(prepared))
     _same_cracks(section, f"{state.name}: microstructure mirrored", first, second)
     assert first.path is not None and second.path is not None
     back = second.path * [1.0, -1.0] + [0.0, scene.window.height]
@@ -150,7 +139,7 @@ def _kinds(section: Section, scene: Scene, state: State, prepared: Prepared) -> 
     one_kind = replace(
         prepared, mesh=replace(mesh, kind=single, cementite_share=np.zeros(len(single)))
     )
-    first, second = grow(equal, state, prepared), grow(equal, state, one_kind)
+    first, second = (grow_alone(equal, state, DELTA_K, each) for each in (prepared, one_kind))
     _same_cracks(
         section, f"{state.name}: sigma_c = sigma_yield, all interfaces one kind", first, second
     )
@@ -243,7 +232,8 @@ def _control(section: Section, setting: Setting) -> None:
     for name, state in STATES.items():
         same = replace(state, yield_stress=strength, delta_k_th=0.0)
         found = [
-            grow(scene, same, prepare_growth(scene, state, index)).da_dn for index in range(meshes)
+            grow_alone(scene, same, DELTA_K, prepare_growth(scene, state, index)).da_dn
+            for index in range(meshes)
         ]
         rates[name] = np.log(np.array(found))
     reference = rates["undeformed"].mean()

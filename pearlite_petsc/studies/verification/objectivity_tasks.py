@@ -68,7 +68,7 @@ def grow_variants(
     """Grow the crack of one microstructure at one width under all damage laws."""
     # Here, so that a new process starts MPI in its own time.
     from pearlite_petsc.growth.prepared import prepare_growth
-    from pearlite_petsc.studies.verification.metamorphic import grow
+    from pearlite_petsc.studies.growing import grow_alone
 
     name, index, width = task
     base = scene_of(size=(width, width), refinement="follow", extension=EXTENSION)
@@ -81,7 +81,7 @@ def grow_variants(
     for law in variants:
         scene = replace(base, damage=damage_of(base.damage, law, STATES[name]))
         try:
-            found = grow(scene, STATES[name], prepared, DELTA_K)
+            found = grow_alone(scene, STATES[name], DELTA_K, prepared)
         except SolverError:
             rates.append(Rate(name, index, law, width, float("nan"), "failed", 0.0, 0))
             continue

@@ -10,8 +10,8 @@ from pearlite_petsc.mechanics.lefm import TIP_FACTOR
 from pearlite_petsc.scene import Kind, Scene, Solver
 from pearlite_petsc.studies.bodies import on_line, plain_mesh, tensor_points
 from pearlite_petsc.studies.cases import STATES, scene_of
+from pearlite_petsc.studies.growing import grow_alone
 from pearlite_petsc.studies.verification.claim import Section, fitted_order
-from pearlite_petsc.studies.verification.metamorphic import grow
 
 DELTA_K = 2e4
 STATE = replace(STATES["severe_AT"], delta_k_th=0.0)
@@ -52,7 +52,7 @@ def straight_crack(section: Section, widths: tuple[float, ...]) -> None:
         for law in LAWS:
             damage = replace(scene.damage, law=law)
             rates[law.name].append(
-                grow(replace(square, damage=damage), STATE, prepared, DELTA_K).da_dn
+                grow_alone(replace(square, damage=damage), STATE, DELTA_K, prepared).da_dn
             )
     objective = np.array(rates["objective"])
     for width, rate in zip(widths[1:], objective[1:], strict=True):
