@@ -94,7 +94,7 @@ def _factors(section: Section, scene: Scene, width: float) -> None:
     scale *= (TIP_FACTOR / np.sqrt(scene.damage.reference_length)) ** 3
     for ratio, tolerance in _TOLERANCES.items():
         state = replace(STATE, delta_k_th=ratio * DELTA_K)
-        rate = grow(square, state, prepared, DELTA_K).da_dn
+        rate = grow_alone(square, state, DELTA_K, prepared).da_dn
         expected = float(straight_crack_factor(np.array(ratio)))
         section.close(
             f"Straight crack at Delta-K_th/Delta-K = {ratio:g}, {width:g} um: f of "
