@@ -1,9 +1,12 @@
 """Damage of interfaces under cyclic stress, source Eq. (26)-(33), and the damage laws shipped."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.laws.damage import DamageInterfaces, DamageLaw, RateConstants
+from pearlite_petsc.laws.key import LENGTH, number
 from pearlite_petsc.mechanics.lefm import TIP_FACTOR
 from pearlite_petsc.scene import Damage, Kind, State
 
@@ -87,11 +90,53 @@ def objective(interfaces: DamageInterfaces, damage: Damage) -> RateConstants:
     return RateConstants(factor, threshold_stress(interfaces, damage), damage.beta)
 
 
+def rated_length(
+    length: FloatArray, crack_distance: FloatArray, critical_distance: float
+) -> FloatArray:
+    """Return the length l by which an interface is rated [um]: L at the crack, l_0 far from it.
+
+    A tip at distance r loads an interface with K/sqrt(2 pi r), as it loads one of length 2r that
+    touches it: between, l = 2r. The blend has no kink at l_0:
+    l = L + (q^-4 + a^-4)^(-1/4), q = <2r - L> and a = <l_0 - L>.
+
+    Args:
+        length: L [um]; shape (k,).
+        crack_distance: r of the midpoint [um]; shape (k,).
+        critical_distance: l_0 [um].
+    """
+    way = np.maximum(2.0 * crack_distance - length, 0.0)
+    room = np.maximum(critical_distance - length, 0.0)
+    least, most = np.minimum(way, room), np.maximum(way, room)
+    share = np.divide(least, most, where=most > 0.0, out=np.zeros_like(most))
+    return np.asarray(length + least / (1.0 + share**4) ** 0.25)
+
+
+def by_critical_distance(
+    interfaces: DamageInterfaces, damage: Damage, *, critical_distance: float
+) -> RateConstants:
+    """Return ``objective`` with the length l of ``rated_length`` in place of L.
+
+    At the crack it is ``objective``; far away the threshold is the fatigue limit
+    b Delta-K_th/sqrt(l_0), 728 MPa at Delta-K_th = 5 MPa sqrt(m) and l_0 = 30 um.
+    """
+    length = rated_length(interfaces.length, interfaces.crack_distance, critical_distance)
+    return objective(replace(interfaces, length=length), damage)
+
+
 OBJECTIVE = DamageLaw(
     name="objective", help="the same da/dN at any element size", function=objective
 )
 PRINTED = DamageLaw(name="printed", help="Eq. (28)-(31) as the source has them", function=printed)
-LAWS = (OBJECTIVE, PRINTED)
+CRITICAL_DISTANCE = DamageLaw(
+    name="critical_distance",
+    help="objective at the crack, a fixed length away from it",
+    function=by_critical_distance,
+    parameters=(
+        number("critical_distance", 30.0, "l_0, which sets the fatigue limit, um", LENGTH, "um"),
+    ),
+    follows_crack=True,
+)
+LAWS = (OBJECTIVE, PRINTED, CRITICAL_DISTANCE)
 """The damage laws shipped, the default first."""
 
 

@@ -8,9 +8,11 @@ from hypothesis import strategies as st
 
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.damage import (
-    LAWS,
+    CRITICAL_DISTANCE,
+    OBJECTIVE,
     PRINTED,
     damage_interfaces,
+    rated_length,
     strength,
     yield_stress,
 )
@@ -53,7 +55,7 @@ def scalar_rate(
     return math.sqrt(parts[0] ** 2 + DAMAGE.beta * parts[1] ** 2)
 
 
-@pytest.mark.parametrize("law", LAWS, ids=str)
+@pytest.mark.parametrize("law", [OBJECTIVE, PRINTED], ids=str)
 @pytest.mark.parametrize("threshold", ["tip", "remote"])
 @given(normal=st.floats(-3e4, 3e4), shear=st.floats(-3e4, 3e4))
 def test_the_rate_is_that_of_the_equations_written_out(
@@ -161,3 +163,57 @@ def test_the_yield_stress_formula_meets_the_sheared_states_and_fails_the_undefor
     assert yield_stress(30.0) == pytest.approx(1024.0)
     assert yield_stress(0.0) == 0.0
     assert yield_stress(2.0) < yield_stress(10.0) < yield_stress(30.0)
+
+
+NEAR_AND_FAR = np.array([0.0, 1.0, 1.5, 3.0, 10.0, 15.0, 40.0, 1e5])
+
+
+def rated(distance: FloatArray, length: float = 3.0, critical: float = 30.0) -> FloatArray:
+    return rated_length(np.full(len(distance), length), distance, critical)
+
+
+def test_an_interface_at_the_crack_is_rated_by_its_own_length() -> None:
+    assert rated(NEAR_AND_FAR[:3]).tolist() == [3.0, 3.0, 3.0]
+    longer = rated(NEAR_AND_FAR, length=40.0)
+    assert (longer == 40.0).all()
+
+
+def test_a_far_interface_is_rated_by_the_critical_distance_whatever_its_length() -> None:
+    for length in (0.5, 3.0, 12.0):
+        assert rated(NEAR_AND_FAR, length)[-1] == pytest.approx(30.0, rel=1e-9)
+        assert (np.diff(rated(NEAR_AND_FAR, length)) >= 0.0).all()
+
+
+def test_between_it_is_rated_by_twice_its_distance_without_a_kink() -> None:
+    distance = np.linspace(1.6, 60.0, 20_001)
+    length = rated(distance)
+    assert length[np.searchsorted(distance, 5.0)] == pytest.approx(10.0, rel=0.02)
+    slope = np.diff(length) / np.diff(distance)
+    assert slope[0] == pytest.approx(2.0, rel=1e-3)
+    # The prototype's min(2 r, l_0) would jump from 2 to 0 between two of these.
+    assert np.abs(np.diff(slope)).max() < 0.002
+
+
+def test_critical_distance_is_objective_at_the_crack_and_a_fatigue_limit_far_away() -> None:
+    law = replace(CRITICAL_DISTANCE, values=(("critical_distance", 15.0),))
+    damage = replace(DAMAGE, law=law)
+    length, kinds = np.array([2.0, 2.0, 7.0]), np.zeros(3, dtype=int)
+    distance = np.array([1.0, 1e6, 1e6])
+    interfaces = damage_interfaces(length, kinds, damage, STATE, 0.0, crack_distance=distance)
+    found = law.rate_constants(interfaces, damage)
+    at_tip = constants_of(length[:1], kinds[:1], DAMAGE, STATE)
+    assert found.factor[0] == at_tip.factor[0]
+    assert found.threshold[0] == at_tip.threshold[0]
+    limit = TIP_FACTOR * STATE.delta_k_th / math.sqrt(15.0)
+    assert found.threshold[1:] == pytest.approx([limit, limit], rel=1e-9)
+    assert found.factor[1] == pytest.approx(found.factor[2], rel=1e-9)
+
+
+def test_far_away_it_is_the_printed_law_at_the_reference_length() -> None:
+    damage = replace(DAMAGE, law=CRITICAL_DISTANCE)
+    one, kinds = np.array([4.0]), np.zeros(1, dtype=int)
+    far = damage_interfaces(one, kinds, damage, STATE, 0.0, crack_distance=np.array([1e6]))
+    found = CRITICAL_DISTANCE.rate_constants(far, damage)
+    printed = constants_of(np.array([DAMAGE.reference_length]), kinds, PRINTED_DAMAGE, STATE)
+    assert found.factor == pytest.approx(printed.factor, rel=1e-9)
+    assert found.threshold == pytest.approx(printed.threshold, rel=1e-9)
