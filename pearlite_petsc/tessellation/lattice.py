@@ -18,6 +18,13 @@ HOLE = 0.85
 """A place further than this from every nucleus gets one of its own, in the same measure."""
 
 
+MOST_NEAREST = 8
+"""Neighbours that are looked at before all those within reach."""
+
+AT_ONCE = 20_000
+"""Points whose neighbours are held at once: slender elements have hundreds each."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Metric:
     """Distances in units of the element's width across and length along the local lamellae."""
@@ -61,16 +68,24 @@ class Metric:
         nearest = tree.query(points, distance_upper_bound=distance * near)[0]
         candidate = np.flatnonzero(np.isinf(nearest))
         frames = self.frames(points[candidate])
+        # One of the nearest settles nearly all, and slender elements have hundreds within reach.
+        known = tree.query(points[candidate], np.arange(1, 1 + min(MOST_NEAREST, len(others))))[1]
+        open_ = np.ones(len(candidate), dtype=np.bool_)
+        for neighbour in known.T:
+            gap = points[candidate] - others[neighbour]
+            open_ &= _squared(frames, gap) >= distance**2
+        candidate, frames = candidate[open_], frames[open_]
         far = np.zeros(len(points), dtype=np.bool_)
         reach = distance * max(self.elements.width, self.elements.length)
-        neighbour = cKDTree(points[candidate]).sparse_distance_matrix(
-            tree, reach, output_type="coo_matrix"
-        )
-        gap = points[candidate[neighbour.row]] - others[neighbour.col]
-        close = _squared(frames[neighbour.row], gap) < distance**2
-        isolated = np.ones(len(candidate), dtype=np.bool_)
-        isolated[neighbour.row[close]] = False
-        far[candidate[isolated]] = True
+        for start in range(0, len(candidate), AT_ONCE):
+            part = slice(start, start + AT_ONCE)
+            pairs = cKDTree(points[candidate[part]]).sparse_distance_matrix(
+                tree, reach, output_type="coo_matrix"
+            )
+            gap = points[candidate[part][pairs.row]] - others[pairs.col]
+            close = _squared(frames[part][pairs.row], gap) < distance**2
+            far[candidate[part]] = True
+            far[candidate[part][pairs.row[close]]] = False
         return far
 
     def _independent(self, points: FloatArray, priority: FloatArray, distance: float) -> BoolArray:
