@@ -82,9 +82,9 @@ class Board:
             self._window.Flush(0)
         self._swap(task, Status.RUNNING, status)
 
-    def ask_to_stop(self, code: int) -> None:
-        """Ask all groups to stop; the first code given, above 0, stays."""
-        self._swap(self._count, 0, code)
+    def ask_to_stop(self, code: int) -> bool:
+        """Ask all groups to stop; the first code given, above 0, stays; return whether it is this."""
+        return self._swap(self._count, 0, code)
 
     def stop_code(self) -> int:
         """Return the code that some rank asked to stop with, 0 for none."""

@@ -14,6 +14,8 @@ from pearlite_petsc.ensemble.board import Board
 from pearlite_petsc.ensemble.crack import Ground
 from pearlite_petsc.ensemble.expected import Forecast
 from pearlite_petsc.ensemble.group import Group, wait_for_all
+from pearlite_petsc.ensemble.lookout import Lookout
+from pearlite_petsc.ensemble.products import Products
 from pearlite_petsc.ensemble.progress import Progress
 from pearlite_petsc.ensemble.status import COLUMNS, Status, status_of, values_of
 from pearlite_petsc.ensemble.stop import StopRequest
@@ -24,9 +26,6 @@ from pearlite_petsc.launch.display import Screen
 from pearlite_petsc.scene import Scene
 
 _log = logging.getLogger(__name__)
-
-LOOK_SECONDS = 0.1
-"""How often a rank looks whether another one was asked to stop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +76,7 @@ class Campaign:
         interval: Seconds between checkpoints of a crack.
         request: Signals and wall time of this rank.
         screen: What the user sees.
+        products: What is kept up to date beside the checkpoints, on the first rank.
 
     Attributes:
         seconds: Time that ``run`` took [s].
@@ -92,9 +92,10 @@ class Campaign:
         interval: float,
         request: StopRequest,
         screen: Screen,
+        products: Products | None,
     ) -> None:
         self._world, self._scene, self._folder = world, scene, folder
-        self._interval, self._request = interval, request
+        self._interval, self._screen = interval, screen
         self._tasks: Sequence[Task] = all_tasks(scene)
         self._forecast = Forecast(scene, self._tasks)
         status = values = None
@@ -104,12 +105,11 @@ class Campaign:
         self._group = Group(world, scene.ensemble.ranks_per_task)
         self._board = Board(world, status, values)
         self.seconds = self.busy_share = 0.0
-        self._looked = 0.0
-        self._stopping = False
-        self._progress: Progress | None = None
+        progress = None
         if world.rank == 0:
             path, groups = folder / "progress.json", self._group.count
-            self._progress = Progress(path, self._tasks, self._forecast, groups, screen)
+            progress = Progress(path, self._tasks, self._forecast, groups, screen)
+        self._lookout = Lookout(self._board, request, screen, progress, products)
 
     def run(self) -> tuple[int, int, int]:
         """Return how many tasks are done, failed and open on all ranks together. Collective."""
@@ -117,16 +117,20 @@ class Campaign:
         if self._group.has_ranks:
             store = Store(self._folder / "checkpoint", scene_hash(self._scene))
             ground = Ground(
-                self._group, self._scene, self._folder, store, self._interval, self._between_steps
+                self._group,
+                self._scene,
+                self._folder,
+                store,
+                self._interval,
+                self._lookout.between_steps,
             )
-            Worker(ground, self._tasks, self._board, self._forecast).work()
+            Worker(ground, self._tasks, self._board, self._forecast, self._screen).work()
         worked = monotonic() - began
-        wait_for_all(self._world, self._between_steps)
+        wait_for_all(self._world, self._lookout.between_steps)
         self.seconds = monotonic() - began
         self.busy_share = self._world.allreduce(worked) / (self._world.size * self.seconds)
         status = self._board.status()
-        if self._progress is not None:
-            self._progress.show(status, self._board.values(), last=True)
+        self._lookout.show_the_end()
         counts = [int((status == which).sum()) for which in (Status.DONE, Status.FAILED)]
         return counts[0], counts[1], len(status) - sum(counts)
 
@@ -138,19 +142,3 @@ class Campaign:
         """Free board and communicators. Collective."""
         self._board.close()
         self._group.close()
-
-    def _between_steps(self) -> bool:
-        """Serve the others, show news, and return whether to stop."""
-        board = self._board
-        board.tick()
-        code = self._request.code()
-        if code and not self._stopping:
-            board.ask_to_stop(code)
-            self._stopping = True
-        now = monotonic()
-        if now - self._looked >= LOOK_SECONDS:
-            self._looked = now
-            self._stopping = self._stopping or board.stop_code() != 0
-        if self._progress is not None and self._progress.is_due():
-            self._progress.show(board.status(), board.values())
-        return self._stopping

@@ -17,7 +17,7 @@ from pearlite_petsc.config import (
     scene_to_toml,
 )
 from pearlite_petsc.ensemble.sealed_file import PROGRAM
-from pearlite_petsc.ensemble.store import Store
+from pearlite_petsc.ensemble.store import finished_file
 from pearlite_petsc.ensemble.tasks import all_tasks, wants_fields
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.output.experiment import KEPT
@@ -192,7 +192,7 @@ def refuse_fields_of_the_past(checkpoint: Path, before: Output, scene: Scene) ->
     for task in all_tasks(scene):
         wanted = wants_fields(scene, task)
         had = wants_fields(old, task) and before.field_steps == scene.output.field_steps
-        if wanted and not had and Store(checkpoint, "").has_finished(task):
+        if wanted and not had and finished_file(checkpoint, task).exists():
             raise SceneError(
                 f'{checkpoint.parent}: [output] fields = "{scene.output.fields}", field_steps = '
                 f"{scene.output.field_steps} ask for fields of {task.name}, which is finished and "

@@ -15,8 +15,9 @@ from mpi4py import MPI
 
 from pearlite_petsc.config import method_warnings
 from pearlite_petsc.ensemble.campaign import Campaign, Found, look_back
+from pearlite_petsc.ensemble.drawing import draw_and_report
 from pearlite_petsc.ensemble.folder import OutputFolder
-from pearlite_petsc.ensemble.products import draw_and_report, write_products
+from pearlite_petsc.ensemble.products import Products
 from pearlite_petsc.ensemble.status import Status
 from pearlite_petsc.ensemble.stop import NOT_WRITABLE, StopRequest, describe
 from pearlite_petsc.ensemble.tasks import refuse_few_ranks
@@ -105,6 +106,9 @@ class Session:
             )
             if found is not None and output is not None:
                 self._announce(found, output.resumed)
+            products = None
+            if self._first:
+                products = Products(settings.folder, scene, settings.experiment, self._provenance)
             campaign = Campaign(
                 world,
                 scene,
@@ -113,30 +117,33 @@ class Session:
                 settings.interval,
                 self._request,
                 self._screen,
+                products,
             )
             stack.callback(campaign.close)
-            return self._finish(campaign, campaign.run())
+            return self._finish(campaign, campaign.run(), products)
 
-    def _finish(self, campaign: Campaign, counts: tuple[int, int, int]) -> int:
+    def _finish(
+        self, campaign: Campaign, counts: tuple[int, int, int], products: Products | None
+    ) -> int:
         """Write what there is and return the exit status."""
         done, failed, missing = counts
         stop = campaign.stop_code()
         folder = self._settings.folder
         memory = self._world.allreduce(getrusage(RUSAGE_SELF).ru_maxrss / 1024.0, MPI.MAX)
-        facts = self._provenance() if self._first else {}
-        facts |= {
+        facts = {
             "growth_s": round(campaign.seconds, 3),
             "busy_share": round(campaign.busy_share, 4),
             "largest_memory_of_a_rank_mb": round(memory, 1),
         }
         written = True
-        if self._first:
+        if products is not None:
             self._screen.stand(Standing("writing the results"))
             try:
-                write_products(folder, self._scene, facts, self._settings.experiment)
+                products.write_all(facts)
             except (OSError, RuntimeError) as error:
                 _log.error("the results cannot be written: %s", error)
-                self._screen.trouble(f"{folder}: the results cannot be written: {error}")
+                if stop != NOT_WRITABLE:
+                    self._screen.trouble(f"the output cannot be written: {error}")
                 written = False
         written = self._world.bcast(written)
         drawn, shown = True, folder
@@ -145,7 +152,6 @@ class Session:
                 self._world,
                 folder,
                 self._scene,
-                facts,
                 self._settings.experiment,
                 self._request.code,
                 self._screen,

@@ -1,7 +1,12 @@
-"""Requests to stop: signals and the wall time; a clean stop at the next step of every crack."""
+"""Requests to stop: signals and the wall time; a clean stop at the next step of every crack.
+
+What takes long between two steps and can be left anywhere (meshes, figures) is left at once.
+"""
 
 import signal
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from time import monotonic
 from types import FrameType, TracebackType
 from typing import Any
@@ -13,6 +18,55 @@ WALL_TIME = 1000
 
 NOT_WRITABLE = 1001
 """Stop code of an output folder that cannot be written."""
+
+
+LOOK_SECONDS = 0.2
+"""How often what can be left anywhere looks whether to stop."""
+
+
+class StoppedError(Exception):
+    """A stop was asked for inside of something that can be left anywhere."""
+
+
+@contextmanager
+def left_when(stopping: Callable[[], object]) -> Iterator[None]:
+    """Leave what runs inside, wherever it is, once a stop is wanted.
+
+    It must not call MPI or PETSc, nor change anything that is used after it. The timer asks from a
+    signal handler, between two steps of Python: others are served and news are shown meanwhile.
+
+    Args:
+        stopping: Whether to stop; called every ``LOOK_SECONDS``.
+
+    Raises:
+        StoppedError: A stop was wanted.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        # No signals there, so no timer either.
+        yield
+        return
+
+    looking = False
+
+    def look(number: int, frame: FrameType | None) -> None:
+        nonlocal looking
+        if looking:
+            return
+        looking = True
+        try:
+            stop = stopping()
+        finally:
+            looking = False
+        if stop:
+            raise StoppedError
+
+    before = signal.signal(signal.SIGALRM, look)
+    signal.setitimer(signal.ITIMER_REAL, LOOK_SECONDS, LOOK_SECONDS)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def describe(code: int) -> str:

@@ -34,6 +34,15 @@ def mesh_hash(mesh: Mesh) -> str:
     return digest.hexdigest()
 
 
+def finished_file(folder: Path, task: Task) -> Path:
+    """Return the file of a finished task in a ``checkpoint`` folder."""
+    return folder / "finished" / f"{task.name}.h5"
+
+
+def _growing(folder: Path, task: Task) -> Path:
+    return folder / "growing" / task.name
+
+
 class Store:
     """Reads and writes one run's ``checkpoint`` folder; only a group's first rank writes.
 
@@ -53,7 +62,9 @@ class Store:
         """
         values, arrays = serialize(outcome)
         self._write(
-            self._finished(task), {"task": task.name, "mesh": mesh, "outcome": values}, arrays
+            finished_file(self.folder, task),
+            {"task": task.name, "mesh": mesh, "outcome": values},
+            arrays,
         )
         self.forget_growing(task)
 
@@ -65,7 +76,7 @@ class Store:
         Raises:
             SceneError: The file belongs to another scene or task.
         """
-        path = self._finished(task)
+        path = finished_file(self.folder, task)
         if not path.exists():
             return None
         try:
@@ -75,13 +86,9 @@ class Store:
             _log.warning("%s; the task is computed again", error)
             return None
 
-    def has_finished(self, task: Task) -> bool:
-        """Return whether there is an outcome of a task, whole or not."""
-        return self._finished(task).exists()
-
     def forget_finished(self, task: Task) -> None:
         """Drop the outcome of a task."""
-        self._finished(task).unlink(missing_ok=True)
+        finished_file(self.folder, task).unlink(missing_ok=True)
 
     def write_checkpoint(self, task: Task, mesh: str, checkpoint: Checkpoint, states: int) -> None:
         """Keep a checkpoint beside the one before it.
@@ -104,7 +111,7 @@ class Store:
             "solves": checkpoint.record.solves,
             "crack": values,
         }
-        folder = self._growing(task)
+        folder = _growing(self.folder, task)
         oldest = min(_SLOTS, key=lambda slot: _age(folder / slot))
         self._write(folder / oldest, header, arrays)
 
@@ -143,11 +150,11 @@ class Store:
         Raises:
             OSError: The folder cannot be written.
         """
-        self._write(self._state(task, number), *_with_task(task, state))
+        self._write((_growing(self.folder, task) / f"state_{number}.h5"), *_with_task(task, state))
 
     def forget_growing(self, task: Task) -> None:
         """Drop the checkpoints of a task."""
-        shutil.rmtree(self._growing(task), ignore_errors=True)
+        shutil.rmtree(_growing(self.folder, task), ignore_errors=True)
 
     def check(self, tasks: Sequence[Task]) -> list[Task]:
         """Return the tasks that have a checkpoint, and remove what a killed run left half written.
@@ -161,7 +168,7 @@ class Store:
 
     def _checkpoints(self, task: Task) -> Iterator[tuple[Path, dict[str, Any], Arrays]]:
         for slot in _SLOTS:
-            path = self._growing(task) / slot
+            path = _growing(self.folder, task) / slot
             if not path.exists():
                 continue
             try:
@@ -174,7 +181,7 @@ class Store:
     def _read_states(self, task: Task, count: int) -> list[GrowthState]:
         states = []
         for number in range(count):
-            header, arrays = self._read(self._state(task, number), task)
+            header, arrays = self._read(_growing(self.folder, task) / f"state_{number}.h5", task)
             states.append(deserialize(GrowthState, header["state"], arrays))
         return states
 
@@ -188,15 +195,6 @@ class Store:
 
     def _write(self, path: Path, header: dict[str, Any], arrays: Arrays) -> None:
         write_sealed(path, {"scene": self._hash, **header}, arrays)
-
-    def _finished(self, task: Task) -> Path:
-        return self.folder / "finished" / f"{task.name}.h5"
-
-    def _growing(self, task: Task) -> Path:
-        return self.folder / "growing" / task.name
-
-    def _state(self, task: Task, number: int) -> Path:
-        return self._growing(task) / f"state_{number}.h5"
 
 
 def _with_task(task: Task, state: GrowthState) -> tuple[dict[str, Any], Arrays]:

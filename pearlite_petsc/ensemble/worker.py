@@ -1,7 +1,6 @@
 """What a group does until no task is open: takes one, grows its crack, writes what came out."""
 
 import logging
-import sys
 from collections import OrderedDict
 from collections.abc import Sequence
 from functools import partial
@@ -13,14 +12,15 @@ from pearlite_petsc.ensemble.crack import Ground, NotWritableError, failed, grow
 from pearlite_petsc.ensemble.expected import Forecast
 from pearlite_petsc.ensemble.schedule import next_task
 from pearlite_petsc.ensemble.status import Status, status_of, values_of
-from pearlite_petsc.ensemble.stop import NOT_WRITABLE
+from pearlite_petsc.ensemble.stop import StoppedError, left_when
 from pearlite_petsc.ensemble.store import mesh_hash
 from pearlite_petsc.ensemble.tasks import Task
+from pearlite_petsc.ensemble.trouble import tell_not_writable
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
 from pearlite_petsc.growth.prepared import Prepared, prepare_growth
 from pearlite_petsc.growth.ranks import on_first_rank
 from pearlite_petsc.growth.shared_domain import SharedDomain
-from pearlite_petsc.launch.display import say
+from pearlite_petsc.launch.display import Screen
 from pearlite_petsc.output.tables import write_growth
 
 _log = logging.getLogger(__name__)
@@ -37,13 +37,19 @@ class Worker:
         tasks: All tasks of the scene.
         board: Status of all tasks.
         forecast: Expected wall times.
+        screen: What the user sees.
     """
 
     def __init__(
-        self, ground: Ground, tasks: Sequence[Task], board: Board, forecast: Forecast
+        self,
+        ground: Ground,
+        tasks: Sequence[Task],
+        board: Board,
+        forecast: Forecast,
+        screen: Screen,
     ) -> None:
         self._ground, self._tasks, self._board = ground, tasks, board
-        self._forecast = forecast
+        self._forecast, self._screen = forecast, screen
         self._microstructure = np.array([task.microstructure for task in tasks])
         self._at_hand: OrderedDict[int, tuple[Prepared, str] | Exception] = OrderedDict()
         self._shared_domain = SharedDomain(ground.group.comm, ground.scene)
@@ -67,9 +73,10 @@ class Worker:
                     continue
             except NotWritableError as error:
                 if group.first:
-                    _log.error("%s", error)
-                    say(sys.stderr, f"the output cannot be written: {error}\n")
-                    self._board.ask_to_stop(NOT_WRITABLE)
+                    tell_not_writable(self._board, self._screen, error)
+            except StoppedError:
+                # Left in the middle of a mesh; the crack's last checkpoint stays.
+                pass
             if group.first:
                 self._board.release(number)
 
@@ -91,6 +98,8 @@ class Worker:
         group = self._ground.group
         try:
             prepared, mesh = on_first_rank(group.comm, partial(self._prepare, task)) or (None, "")
+        except StoppedError:
+            raise
         except Exception as error:
             return failed(task, error), ""
         return grow_task(self._ground, task, prepared, mesh, self._shared_domain), mesh
@@ -100,8 +109,11 @@ class Worker:
         number, known = task.microstructure, self._at_hand
         if number not in known:
             try:
-                prepared = prepare_growth(self._ground.scene, task.state, task.mesh_index)
+                with left_when(self._ground.stopping):
+                    prepared = prepare_growth(self._ground.scene, task.state, task.mesh_index)
                 known[number] = prepared, mesh_hash(prepared.mesh)
+            except StoppedError:
+                raise
             except Exception as error:
                 known[number] = error
         known.move_to_end(number)

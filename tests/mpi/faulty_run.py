@@ -60,6 +60,8 @@ def patch() -> None:
     def no_mesh(scene: Any, state: Any, index: int) -> Any:
         if FAULT == "no_mesh" and state.name == "severe_AT":
             raise MeshError("no mesh, says the test")
+        while FAULT == "endless_mesh" and state.name == "severe_AT":
+            prepare(scene, state, index)
         return prepare(scene, state, index)
 
     group.AGREEMENT_SECONDS = 2.0
@@ -67,6 +69,14 @@ def patch() -> None:
     def no_next_mesh(*arguments: Any) -> Any:
         raise MeshError("no finer mesh, says the test")
 
+    def endless_figures(*arguments: Any) -> Any:
+        while True:
+            sum(range(1000))
+
+    if FAULT == "endless_figures":
+        from pearlite_petsc.output import draw
+
+        draw.draw_rates = endless_figures
     if FAULT == "no_next_mesh":
         refinement.Refinement.mesh = no_next_mesh
     crack.CrackGrowth = Faulty
