@@ -56,7 +56,7 @@ class Domain(Closing):
 
     def rewind(self) -> None:
         """Go back to the preconditioner of the start. Collective."""
-        self.equilibrium.restart()
+        self.equilibrium.rewind()
 
     def gather(self, local: FloatArray) -> FloatArray | None:
         """Return a value (k, ...) of all interfaces on rank 0, None elsewhere. Collective."""

@@ -1,7 +1,7 @@
 """The growth of one crack as a generator of steps, each a block that its solves bear out."""
 
 from collections.abc import Generator, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from time import perf_counter
 from typing import TypeVar
 
@@ -16,9 +16,9 @@ from pearlite_petsc.growth.case import CrackCase
 from pearlite_petsc.growth.checkpoint import Checkpoint
 from pearlite_petsc.growth.domain import Domain
 from pearlite_petsc.growth.prepared import Prepared
-from pearlite_petsc.growth.progress import begun, restored
 from pearlite_petsc.growth.record import outcome_of
 from pearlite_petsc.growth.remeshing import needs_another_mesh, next_mesh
+from pearlite_petsc.growth.start import from_checkpoint, from_notch
 from pearlite_petsc.growth.stopping import reason_to_stop, touches_edge
 from pearlite_petsc.laws.law import called
 from pearlite_petsc.scene import Scene, State
@@ -58,11 +58,11 @@ class CrackGrowth(Closing):
         saved = comm.bcast(None if checkpoint is None else checkpoint.without_arrays())
         self._owns_domain = saved is not None or shared is None
         if saved is not None:
-            now = restored(comm, self.case, prepared, checkpoint or saved)
+            start = from_checkpoint(comm, self.case, prepared, checkpoint or saved)
         else:
-            now = begun(comm, self.case, prepared, shared)
-        self._body, self._damage = now.body, now.damage
-        self._refinement, self._record = now.refinement, now.record
+            start = from_notch(comm, self.case, prepared, shared)
+        self._body, self._damage = start.body, start.damage
+        self._refinement, self._record = start.refinement, start.record
 
     def close(self) -> None:
         """Destroy the PETSc objects. Collective."""
@@ -223,11 +223,14 @@ class CrackGrowth(Closing):
         )
         self._record = self._record.refined(self.domain.equilibrium.counters)
         self.close()
-        self._owns_domain = True
+        self._owns_domain = False
         ratio = None if prepared is None else prepared.ratio
-        domain = Domain(self.comm, scene, mesh, ratio, carried.damage)
-        self._damage = carried.on_interfaces(domain.scatter)
-        self._body = CrackedBody(domain, self.case, self._damage.damage)
+        with ExitStack() as stack:
+            new = stack.enter_context(Domain(self.comm, scene, mesh, ratio, carried.damage))
+            self._damage = carried.on_interfaces(new.scatter)
+            self._body = CrackedBody(new, self.case, self._damage.damage)
+            stack.pop_all()
+        self._owns_domain = True
 
 
 def _there(value: T | None) -> T:

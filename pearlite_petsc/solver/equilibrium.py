@@ -35,7 +35,7 @@ class Equilibrium(Closing):
         subdomain: What this rank knows of the mesh.
         damage: At the start, from now on read-only; shape (k,).
         settings: Method and tolerance.
-        keep_first: Whether ``restart`` will be wanted, which keeps the first preconditioner.
+        keep_first: Whether ``rewind`` will be wanted, which keeps the first preconditioner.
     """
 
     def __init__(
@@ -102,7 +102,7 @@ class Equilibrium(Closing):
         self._preconditioner = self._maker.main(self.policy.is_finer)
         self.policy = self.policy.renewed()
 
-    def restart(self) -> None:
+    def rewind(self) -> None:
         """Go back to the damage and preconditioner of the start and to a zero guess. Collective.
 
         Only where ``keep_first`` was given. The preconditioner counts as set up, so that the

@@ -1,5 +1,6 @@
-"""Where a crack stands: at its notch, or where it was saved."""
+"""Where the growth of a crack starts: at its notch, or where it was saved."""
 
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 from mpi4py import MPI
@@ -18,8 +19,8 @@ from pearlite_petsc.tessellation.mesh import Mesh
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Progress:
-    """Where a crack stands.
+class Start:
+    """Where a crack stands when its growth starts.
 
     Attributes:
         body: Its mesh and the crack in it.
@@ -34,9 +35,9 @@ class Progress:
     record: Record
 
 
-def begun(
+def from_notch(
     comm: MPI.Comm, case: CrackCase, prepared: Prepared | None, shared: Domain | None
-) -> Progress:
+) -> Start:
     """Return where a crack stands at its notch. Collective.
 
     Args:
@@ -45,16 +46,18 @@ def begun(
         prepared: Microstructure and first mesh on rank 0, None elsewhere.
         shared: Domain of the first mesh as it is at the start; None makes one.
     """
-    domain = shared or first_domain(comm, case.scene, prepared)
-    damage = notched(domain.subdomain.kind)
-    body = CrackedBody(domain, case, damage.damage)
     zone = comm.bcast(None if prepared is None else prepared.zone)
-    return Progress(body, damage, Refinement(zone), new_record(body.tracker.tip[0]))
+    with ExitStack() as stack:
+        domain = shared or stack.enter_context(first_domain(comm, case.scene, prepared))
+        damage = notched(domain.subdomain.kind)
+        body = CrackedBody(domain, case, damage.damage)
+        stack.pop_all()
+    return Start(body, damage, Refinement(zone), new_record(body.tracker.tip[0]))
 
 
-def restored(
+def from_checkpoint(
     comm: MPI.Comm, case: CrackCase, prepared: Prepared | None, saved: Checkpoint
-) -> Progress:
+) -> Start:
     """Return where a crack stood when it was saved. Collective.
 
     Args:
@@ -65,15 +68,18 @@ def restored(
     """
     mesh = on_first_rank(comm, lambda: _mesh(prepared, saved))
     ratio = None if prepared is None else prepared.ratio
-    domain = Domain(comm, case.scene, mesh, ratio, saved.damage.damage)
-    local = saved.scattered(domain)
-    body = CrackedBody(domain, case, local.damage.damage)
-    domain.equilibrium.restore(local.equilibrium)
-    if local.coupling is not None:
-        body.coupling.restore(local.coupling)
-    # The record has what was counted until then.
-    domain.equilibrium.counters.clear()
-    return Progress(body, local.damage, local.refinement, local.record)
+    with ExitStack() as stack:
+        whole = saved.damage.damage
+        domain = stack.enter_context(Domain(comm, case.scene, mesh, ratio, whole))
+        local = saved.scattered(domain)
+        body = CrackedBody(domain, case, local.damage.damage)
+        domain.equilibrium.restore(local.equilibrium)
+        if local.coupling is not None:
+            body.coupling.restore(local.coupling)
+        # The record has what was counted until then.
+        domain.equilibrium.counters.clear()
+        stack.pop_all()
+    return Start(body, local.damage, local.refinement, local.record)
 
 
 def _mesh(prepared: Prepared | None, saved: Checkpoint) -> Mesh:
