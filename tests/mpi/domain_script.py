@@ -51,7 +51,7 @@ def main() -> None:
     here = domain.subdomain.interface_numbers[domain.local(edges)]
     assert np.array_equal(here, np.intersect1d(domain.subdomain.interface_numbers, wanted))
 
-    damage = domain.scatter(values[:, 0] if first else None)
+    damage = domain.scatter(values[:, 0] if first else None).copy()
     damage[domain.subdomain.interface_numbers == wanted[0]] = 1.0
     body = CrackedBody(domain, case, np.where(damage == 1.0, 1.0, 0.0))
     jump = domain.gather(body.solve(0.3 * damage))
