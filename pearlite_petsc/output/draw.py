@@ -203,7 +203,7 @@ def show_path(
     line = PathLine(f"ΔK = {delta_k:g} MPa√m", path)
     extent = _view(scene, [line])
     labels = _label_map(scene, state, index)
-    raster = label_raster(labels.labels, labels.lamella_angle, extent, columns=480)
+    raster = label_raster(labels.labels, labels.lamella_angle, extent, columns=300)
     content = show_paths(axes, raster, [line], (float(path[0, 0]), float(path[0, 1])))
     axes.xaxis.set_major_locator(AutoLocator())
     axes.yaxis.set_major_locator(AutoLocator())

@@ -20,6 +20,7 @@ PAGES = (
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
     *sorted((ROOT / "docs").glob("*.md")),
+    ROOT / "docs" / "examples" / "README.md",
     ROOT / "meshes" / "README.md",
 )
 MODES = ("verbatim", "quick", "slow", "not run")

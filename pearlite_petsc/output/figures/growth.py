@@ -19,6 +19,7 @@ from pearlite_petsc.output.figures.style import (
     grid_shape,
     label_outer,
     legend_below,
+    light_grid,
     state_label,
     state_styles,
 )
@@ -92,7 +93,7 @@ def show_history(
     axes.set(xlabel="cycles N", ylabel="crack length a [µm]")
     axes.ticklabel_format(axis="x", style="sci", scilimits=(-3, 4), useMathText=True)
     axes.set_xlim(left=0.0)
-    axes.grid(True)
+    light_grid(axes)
     axes.legend(loc="upper left")
 
 

@@ -15,6 +15,7 @@ from pearlite_petsc.output.figures.style import (
     StateStyle,
     drawing,
     legend_below,
+    light_grid,
     state_styles,
 )
 from pearlite_petsc.output.literature import (
@@ -124,7 +125,7 @@ def _finish(
         axes.set_xlim(low, high)
         _literature(axes, low, high)
         plain_ticks(axes)
-        axes.grid(True)
+        light_grid(axes)
     if any(_stopped(o) for o in outcomes):
         # Room for the marks at the axis below the slowest crack.
         bottom, top = panels[0].get_ylim()

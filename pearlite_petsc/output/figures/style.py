@@ -126,6 +126,12 @@ def on_axes(axes: Axes | None, width: float = 4.8, height: float = 4.2) -> Itera
         yield axes
 
 
+def light_grid(axes: Axes) -> None:
+    """Put a grid behind the data that is as light on a user's axes as on the program's own."""
+    axes.grid(True, color=_RC["grid.color"], linewidth=_RC["grid.linewidth"])
+    axes.set_axisbelow(True)
+
+
 def _write(figure: Figure, path: Path, cut: Bbox | None) -> None:
     date = {"Date": None}
     png, svg = (path.with_name(path.name + suffix) for suffix in (".png", ".svg"))

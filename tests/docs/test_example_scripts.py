@@ -1,0 +1,44 @@
+"""The example scripts are all on their page, and run on one rank and on two."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.docs.pages import ROOT
+from tests.docs.test_commands import SECONDS, environment
+
+EXAMPLES = ROOT / "docs" / "examples"
+SCRIPTS = sorted(path for path in EXAMPLES.glob("*.py") if "plt.subplots" in path.read_text())
+
+
+def run(folder: Path, *command: str) -> str:
+    done = subprocess.run(
+        command, cwd=folder, env=environment(), capture_output=True, text=True, timeout=SECONDS
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    return done.stdout
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_a_script_is_on_the_page_with_its_command_and_its_picture(script: Path) -> None:
+    page = (EXAMPLES / "README.md").read_text(encoding="utf-8")
+    assert f"python docs/examples/{script.name}\n" in page
+    assert f"](../pictures/{script.stem}.png)" in page
+    assert f'savefig("{script.stem}.png"' in script.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_a_script_gives_the_same_on_two_ranks_and_writes_its_picture(
+    script: Path, tmp_path: Path
+) -> None:
+    said = []
+    for command in ([], ["mpirun", "-n", "2"]):
+        text = run(tmp_path, *command, sys.executable, str(script))
+        # What ``run`` shows on the way has wall times in it.
+        said.append([line for line in text.splitlines() if "MPa" in line and "[" not in line])
+        assert (tmp_path / f"{script.stem}.png").read_bytes()[:4] == b"\x89PNG"
+        (tmp_path / f"{script.stem}.png").unlink()
+    assert said[0]
+    assert said[0] == said[1]
