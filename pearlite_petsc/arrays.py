@@ -14,3 +14,8 @@ def read_only(array: NDArray[Any]) -> NDArray[Any]:
     """Return the array with its write flag cleared (the array itself, not a copy)."""
     array.setflags(write=False)
     return array
+
+
+def guarded(array: NDArray[Any]) -> NDArray[Any]:
+    """Return a view of the array that cannot be written through."""
+    return read_only(array.view())

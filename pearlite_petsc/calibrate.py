@@ -7,11 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from pearlite_petsc.command_line import CommandParser, complain
-from pearlite_petsc.config import load_scene, scene_to_toml
+from pearlite_petsc.config import scene_to_toml
 from pearlite_petsc.errors import PearliteError, SceneError
 from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.output.calibration import CONFIDENCE, Calibration, calibrate
 from pearlite_petsc.output.experiment import COLUMNS, RUN_OUT, MeasuredPoint, read_experiment
+from pearlite_petsc.output.result_folder import read_scene
 from pearlite_petsc.output.tables import read_fcg
 from pearlite_petsc.scene import Scene
 
@@ -61,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--state", metavar="NAME", help="use the points of this state only")
     options = parser.parse_args(arguments)
     try:
-        scene = load_scene(options.result / "scene.resolved.toml")
+        scene = read_scene(options.result / "scene.resolved.toml")
         outcomes = read_fcg(options.result / "fcg.csv")
         experiment = read_experiment(options.experiment, [state.name for state in scene.states])
         points = experiment.points

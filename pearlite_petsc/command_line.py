@@ -68,6 +68,18 @@ def add_set_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_load_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--load LAW.py``, which adds laws that the scene may choose."""
+    parser.add_argument(
+        "--load",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="LAW.py",
+        help="add the laws of a Python file of your own; as often as needed",
+    )
+
+
 def add_output_option(
     parser: argparse.ArgumentParser,
     help: str,

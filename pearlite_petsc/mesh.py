@@ -10,11 +10,18 @@ from pathlib import Path
 
 from pearlite_petsc.command_line import (
     CommandParser,
+    add_load_option,
     add_output_option,
     add_set_option,
     complain,
 )
-from pearlite_petsc.config import load_scene, scene_to_toml, state_named
+from pearlite_petsc.config import (
+    find_laws,
+    load_scene,
+    refuse_faulty_laws,
+    scene_to_toml,
+    state_named,
+)
 from pearlite_petsc.errors import PearliteError, SceneError
 from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.microstructure.cells import equivalent_diameters
@@ -38,7 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit status: 0, or 2 for bad input."""
     options = _parser().parse_args(arguments)
     try:
-        scene = load_scene(options.scene, options.set)
+        scene = load_scene(options.scene, options.set, find_laws(options.load))
+        refuse_faulty_laws(scene)
         state = _state(scene, options.scene, options.state)
         if options.index < 0:
             raise SceneError(f"--index {options.index} is negative")
@@ -119,6 +127,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FILE.h5",
     )
     add_set_option(parser)
+    add_load_option(parser)
     parser.add_argument("--overwrite", action="store_true", help="replace existing files")
     return parser
 

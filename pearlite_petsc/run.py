@@ -12,6 +12,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
+from typing import TYPE_CHECKING
 
 import pearlite_petsc
 from pearlite_petsc.command_line import (
@@ -21,7 +22,13 @@ from pearlite_petsc.command_line import (
     is_first_rank,
     say,
 )
-from pearlite_petsc.config import load_scene, load_scene_text, scene_schema
+from pearlite_petsc.config import (
+    find_laws,
+    load_scene,
+    load_scene_text,
+    refuse_faulty_laws,
+    scene_schema,
+)
 from pearlite_petsc.ensemble.folder import find_earlier_run
 from pearlite_petsc.ensemble.stop import StopRequest
 from pearlite_petsc.ensemble.tasks import refuse_few_ranks
@@ -37,6 +44,9 @@ from pearlite_petsc.run_options import parse_run
 from pearlite_petsc.scene import Scene
 from pearlite_petsc.world import world
 
+if TYPE_CHECKING:
+    from mpi4py import MPI
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status."""
@@ -44,13 +54,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = given_arguments(arguments)
     chosen, petsc = parse_run(given)
     if chosen.schema:
-        say(json.dumps(scene_schema(), indent=2))
-        return ExitStatus.DONE
+        return _schema(chosen)
     try:
         scene, experiment = _scene(chosen)
+        refuse_faulty_laws(scene)
     except SceneError as error:
-        complain(str(error))
-        return ExitStatus.BAD_INPUT
+        return _refused(str(error), together=not chosen.dry_run)
     folder = chosen.output or Path("runs") / scene.name
     if chosen.dry_run:
         from pearlite_petsc.ensemble.estimate import dry_run_text
@@ -76,6 +85,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return _start(chosen, scene, experiment, folder, petsc, command, started)
 
 
+def _refused(text: str, together: bool) -> int:
+    """Say why the input cannot be used, once for all ranks; return the exit status.
+
+    Args:
+        text: What this rank found.
+        together: Whether ranks that found nothing wrong wait for the others to agree.
+    """
+    alone = not started_by_mpi() or expected_ranks() < 2
+    if alone or not together or missing_libraries():
+        complain(text)
+        return ExitStatus.BAD_INPUT
+    with ExitStack() as stack:
+        channel = Channel.connect()
+        screen: Screen = channel or stack.enter_context(display_of_rank())
+        ranks = world()
+        first = _first_refusal(ranks, text)
+        return _end(channel, screen, ExitStatus.BAD_INPUT, first, ranks.rank == 0)
+
+
+def _first_refusal(ranks: "MPI.Comm", text: str = "") -> str:
+    """Return what the first rank that found something wrong says, "" if none did. Collective."""
+    return next((found for found in ranks.allgather(text) if found), "")
+
+
 def _start(
     chosen: argparse.Namespace,
     scene: Scene,
@@ -96,6 +129,9 @@ def _start(
             screen.stand(Standing("starting MPI and PETSc"))
         try:
             ranks = world()
+            refusal = _first_refusal(ranks)
+            if refusal:
+                return _end(channel, screen, ExitStatus.BAD_INPUT, refusal, ranks.rank == 0)
             from pearlite_petsc.solver.initialize import initialize_petsc
 
             # Whatever imports PETSc first starts it, so this comes before all that computes.
@@ -157,21 +193,21 @@ def _scene(chosen: argparse.Namespace) -> tuple[Scene, Experiment | None]:
     overrides = list(chosen.set)
     if chosen.ranks_per_task is not None:
         overrides.append(f"ensemble.ranks_per_task={chosen.ranks_per_task}")
-    path = chosen.scene
+    path, laws = chosen.scene, find_laws(chosen.load)
     if path is None:
         path = Path(pearlite_petsc.__file__).parents[1] / "runs" / "quickstart.toml"
         if not path.is_file():
             # Installed without the scene files: what is left out takes the quickstart's value.
-            scene = load_scene_text('name = "quickstart"', "quickstart", overrides)
+            scene = load_scene_text('name = "quickstart"', "quickstart", overrides, laws)
             return _with_experiment(scene)
     if path.suffix in (".h5", ".hdf5"):
         if not path.is_file():
             raise SceneError(f"{path}: no such file")
         stored = read_results(path)
-        scene = load_scene_text(stored.scene_text, str(path), overrides)
+        scene = load_scene_text(stored.scene_text, str(path), overrides, laws)
         own = not any(text.startswith("output.experiment") for text in overrides)
         return _with_experiment(scene, stored.experiment_text if own else None)
-    return _with_experiment(load_scene(path, overrides))
+    return _with_experiment(load_scene(path, overrides, laws))
 
 
 def _with_experiment(scene: Scene, text: str | None = None) -> tuple[Scene, Experiment | None]:
@@ -180,6 +216,17 @@ def _with_experiment(scene: Scene, text: str | None = None) -> tuple[Scene, Expe
         return scene, parse_experiment(text, KEPT, states)
     name = scene.output.experiment
     return scene, None if name is None else read_experiment(Path(name), states)
+
+
+def _schema(chosen: argparse.Namespace) -> int:
+    """Print the JSON schema of scene files."""
+    try:
+        schema = scene_schema(find_laws(chosen.load))
+    except SceneError as error:
+        complain(str(error))
+        return ExitStatus.BAD_INPUT
+    say(json.dumps(schema, indent=2))
+    return ExitStatus.DONE
 
 
 if __name__ == "__main__":

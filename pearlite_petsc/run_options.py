@@ -9,13 +9,19 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from pearlite_petsc.command_line import CommandParser, add_output_option, add_set_option
+from pearlite_petsc.command_line import (
+    CommandParser,
+    add_load_option,
+    add_output_option,
+    add_set_option,
+)
 
 _EXAMPLES = """examples:
   pearlite run --ranks 2                           the quickstart on two ranks
   pearlite run --ranks 8 runs/paper.toml --resume
   pearlite run runs/first_curve.toml --set loading.delta_k_mpa_sqrt_m=[10,20] --dry-run
   pearlite run runs/quickstart/results.h5 --output runs/again
+  pearlite run --load my_law.py --set damage.law=my_law --output runs/my_law
   pearlite run runs/first_curve.toml --overwrite -- -log_view -ksp_type cg -pc_type cholesky
   mpirun -n 2 pearlite run                         --ranks 2 by hand; srun and mpiexec alike
 
@@ -70,6 +76,7 @@ def _parser() -> argparse.ArgumentParser:
     add("scene", nargs="?", type=Path, metavar="SCENE", help="scene; default runs/quickstart.toml")
     add_output_option(parser, "output folder; default runs/<scene>")
     add_set_option(parser)
+    add_load_option(parser)
     add("--resume", action="store_true", help="go on with what is in the output folder")
     add("--retry-failed", action="store_true", help="with --resume: failed tasks once more")
     add("--overwrite", action="store_true", help="remove what an earlier run left there")

@@ -3,6 +3,7 @@
 import hashlib
 import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from pearlite_petsc.config.keys import TABLES, Table, text_key
@@ -71,6 +72,25 @@ def scene_difference(old: str, new: str) -> tuple[str, ...]:
     )
 
 
+def laws_of_scene(scene: Scene) -> list[dict[str, Any]]:
+    """Return the scene's laws as JSON can hold them, parameters in the file's names and units.
+
+    ``file`` and ``sha256`` say where a law from outside the program comes from.
+    """
+    found = []
+    for law in (scene.damage.law, scene.material.springs, scene.cycle_jump.method):
+        keywords = law.keywords()
+        texts = [
+            f"{key.name} = {file_text(key, keywords[key.attribute])}" for key in law.parameters
+        ]
+        entry: dict[str, Any] = {"table": law.table, "key": law.key, "name": law.name}
+        entry["parameters"] = tomllib.loads("\n".join(texts))
+        if law.source is not None:
+            entry |= {"file": law.source.file, "sha256": law.source.sha256}
+        found.append(entry)
+    return found
+
+
 def _entries(table: Table, part: Any) -> Iterator[tuple[Key, Any]]:
     """Yield every key of a table with its value, also those of the law that it chose."""
     law: Law | None = None
@@ -80,7 +100,7 @@ def _entries(table: Table, part: Any) -> Iterator[tuple[Key, Any]]:
             yield key, value
             continue
         law = value
-        yield key, law.name
+        yield key if law.source is None else replace(key, help=law.help), law.name
         if law.source:
             yield text_key(key, law.source), law.source.sha256
     if law is not None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from pearlite_petsc.config import method_warnings
+from pearlite_petsc.config import laws_of_scene, method_warnings, scene_hash
 from pearlite_petsc.ensemble.campaign import Campaign, Found, look_back
 from pearlite_petsc.ensemble.drawing import draw_and_report
 from pearlite_petsc.ensemble.folder import OutputFolder
@@ -21,6 +21,7 @@ from pearlite_petsc.ensemble.products import Products
 from pearlite_petsc.ensemble.status import Status
 from pearlite_petsc.ensemble.stop import NOT_WRITABLE, StopRequest, describe
 from pearlite_petsc.ensemble.tasks import refuse_few_ranks
+from pearlite_petsc.errors import SceneError
 from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.growth.ranks import on_first_rank
 from pearlite_petsc.launch.display import Screen, Standing, clock
@@ -87,6 +88,7 @@ class Session:
         """
         scene, settings, world = self._scene, self._settings, self._world
         refuse_few_ranks(scene, world.size)
+        self._refuse_different_scenes()
         with ExitStack() as stack:
             output = on_first_rank(
                 world,
@@ -192,7 +194,7 @@ class Session:
     def _provenance(self) -> dict[str, Any]:
         facts = petsc_facts()
         mpi = MPI.Get_library_version().split("\n")[0].rstrip("\0")
-        return provenance(
+        found = provenance(
             self._settings.command,
             self._began,
             datetime.now().astimezone(),
@@ -200,6 +202,21 @@ class Session:
             {**facts, "mpi": mpi},
             self._world.size,
         )
+        return found | {"laws": laws_of_scene(self._scene)}
+
+    def _refuse_different_scenes(self) -> None:
+        """Check that all ranks have read the same files. Collective.
+
+        Raises:
+            SceneError: They have not; on all ranks.
+        """
+        hashes = self._world.allgather(scene_hash(self._scene))
+        other = next((rank for rank, found in enumerate(hashes) if found != hashes[0]), 0)
+        if other:
+            raise SceneError(
+                f"rank {other} has read another scene or another text of a law than rank 0: "
+                "the files must be the same on all machines"
+            )
 
     def _say(self, text: str) -> None:
         if self._first:

@@ -1,13 +1,17 @@
 """Scenes in the names and units of their files."""
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 from pearlite_petsc import config
+from pearlite_petsc.config.shipped import SHIPPED
+from pearlite_petsc.laws.catalogue import Laws
 from pearlite_petsc.scene import Scene as ProgramScene
+
+Files: TypeAlias = str | PathLike[str] | Iterable[str | PathLike[str]]
 
 
 class Scene(Mapping[str, Any]):
@@ -18,6 +22,7 @@ class Scene(Mapping[str, Any]):
 
     Args:
         name: Of the scene and its output folder; "scene" if left out.
+        load: A Python file, or several, with laws of your own that the scene may choose.
         tables: Tables of the file by name, each a mapping: ``loading={"load_ratio": 0.5}``.
 
     Raises:
@@ -34,14 +39,19 @@ class Scene(Mapping[str, Any]):
         1024.0
     """
 
-    __slots__ = ("_program", "_tables")
+    __slots__ = ("_laws", "_program", "_tables")
 
-    def __init__(self, name: str = "scene", **tables: Any) -> None:
-        self._set(config.scene_from_tables({"name": name, **tables}, "Scene"))
+    def __init__(self, name: str = "scene", *, load: Files = (), **tables: Any) -> None:
+        laws = _laws(load)
+        self._set(_checked({"name": name, **tables}, laws), laws)
 
     @classmethod
-    def from_dict(cls, tables: Mapping[str, Any]) -> "Scene":
+    def from_dict(cls, tables: Mapping[str, Any], *, load: Files = ()) -> "Scene":
         """Return the scene of nested tables, such as ``tomllib.load`` returns.
+
+        Args:
+            tables: Tables of the file by name.
+            load: As for the class.
 
         Raises:
             PearliteError: As the class.
@@ -50,16 +60,17 @@ class Scene(Mapping[str, Any]):
             >>> Scene.from_dict({"states": {"undeformed": {}}}).states.keys()
             dict_keys(['undeformed'])
         """
-        return cls._of(config.scene_from_tables(tables, "Scene"))
+        laws = _laws(load)
+        return cls._of(_checked(tables, laws), laws)
 
     @classmethod
-    def _of(cls, program: ProgramScene) -> "Scene":
+    def _of(cls, program: ProgramScene, laws: Laws = SHIPPED) -> "Scene":
         scene = cls.__new__(cls)
-        scene._set(program)
+        scene._set(program, laws)
         return scene
 
-    def _set(self, program: ProgramScene) -> None:
-        self._program = program
+    def _set(self, program: ProgramScene, laws: Laws) -> None:
+        self._program, self._laws = program, laws
         self._tables = _frozen(tomllib.loads(config.scene_to_toml(program)))
 
     @property
@@ -96,7 +107,7 @@ class Scene(Mapping[str, Any]):
                 tables["states"] = {one: tables["states"][one] for one in kept}
             else:
                 tables[name] = _merged(tables.get(name), change)
-        return type(self).from_dict(tables)
+        return self._of(_checked(tables, self._laws), self._laws)
 
     def to_dict(self) -> dict[str, Any]:
         """Return all tables as plain dictionaries; ``Scene.from_dict`` takes them back."""
@@ -134,13 +145,31 @@ class Scene(Mapping[str, Any]):
         return f"<Scene {scene.name}: {factors} = {cracks}, window {size}>"
 
 
-def load_scene(path: str | PathLike[str]) -> Scene:
+def load_scene(path: str | PathLike[str], *, load: Files = ()) -> Scene:
     """Read a scene file (TOML).
+
+    Args:
+        path: The file.
+        load: A Python file, or several, with laws of your own that the scene may choose.
 
     Raises:
         PearliteError: Something in it cannot be used; one line with file, table, key and limit.
     """
-    return Scene._of(config.load_scene(path))
+    laws = _laws(load)
+    program = config.load_scene(path, (), laws)
+    config.refuse_faulty_laws(program)
+    return Scene._of(program, laws)
+
+
+def _checked(tables: Mapping[str, Any], laws: Laws) -> ProgramScene:
+    program = config.scene_from_tables(tables, "Scene", laws)
+    config.refuse_faulty_laws(program)
+    return program
+
+
+def _laws(load: Files) -> Laws:
+    """Return all laws that a scene may choose from."""
+    return config.find_laws((load,) if isinstance(load, str | PathLike) else load)
 
 
 def _merged(old: Any, change: Any) -> Any:

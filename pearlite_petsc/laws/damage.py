@@ -1,12 +1,12 @@
 """The damage law as a plug: what it is told of the interfaces, and what it answers."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
+from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray, guarded
 from pearlite_petsc.errors import PearliteError
 from pearlite_petsc.laws.law import Law, called, described
 
@@ -35,6 +35,13 @@ class DamageInterfaces:
     crack_distance: FloatArray
     delta_k_th: float
     remote_threshold: float
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            values = getattr(self, entry.name)
+            if isinstance(values, np.ndarray):
+                # A law that changed them would change the mesh.
+                object.__setattr__(self, entry.name, guarded(values))
 
 
 def cubic_rate(stress: FloatArray, threshold: FloatArray, factor: FloatArray) -> FloatArray:

@@ -1,9 +1,11 @@
 """The spring law as a plug: what it is told of the interfaces."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar
 
-from pearlite_petsc.arrays import FloatArray, IntArray
+import numpy as np
+
+from pearlite_petsc.arrays import FloatArray, IntArray, guarded
 from pearlite_petsc.laws.law import Law
 
 
@@ -24,6 +26,13 @@ class SpringInterfaces:
     kind: IntArray
     midpoint: FloatArray
     normal: FloatArray
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            values = getattr(self, entry.name)
+            if isinstance(values, np.ndarray):
+                # A law that changed them would change the mesh.
+                object.__setattr__(self, entry.name, guarded(values))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -104,14 +104,30 @@ def spring_stiffness(mesh: Mesh, material: Material, ratio: float | None = None)
         raise PearliteError(
             f"interface {worst}: centre distance {distance[worst]:g} um is not positive"
         )
+    interfaces = SpringInterfaces(distance, mesh.length, mesh.kind, mesh.midpoint, mesh.normal)
+    return stiffness_of(interfaces, material, ratio)
+
+
+def stiffness_of(
+    interfaces: SpringInterfaces, material: Material, ratio: float | None = None
+) -> Stiffness:
+    """Return the springs of some interfaces by the material's law.
+
+    Args:
+        interfaces: k interfaces.
+        material: Elastic constants and spring law.
+        ratio: k_t/k_n, for laws that meet the Poisson ratio.
+
+    Raises:
+        PearliteError: No ratio, or a law that fails or returns what is no stiffness.
+    """
     law = material.springs
     more = {}
     if law.meets_poisson_ratio:
         if ratio is None:
             raise PearliteError(f"springs '{law.name}': the ratio k_t/k_n of the mesh is missing")
         more["ratio"] = ratio
-    interfaces = SpringInterfaces(distance, mesh.length, mesh.kind, mesh.midpoint, mesh.normal)
-    return _checked(law, called(law, interfaces, material, **more), len(distance))
+    return _checked(law, called(law, interfaces, material, **more), len(interfaces.length))
 
 
 def _checked(law: SpringLaw, found: object, count: int) -> Stiffness:

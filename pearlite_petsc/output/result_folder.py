@@ -6,7 +6,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from pearlite_petsc.config import load_scene, load_scene_text, scene_difference
+from pearlite_petsc.config import (
+    laws_of_results,
+    load_scene,
+    load_scene_text,
+    scene_difference,
+)
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.output.experiment import (
@@ -62,16 +67,34 @@ def read_result(path: Path) -> Result:
         return result
     if not (path / "fcg.csv").is_file():
         raise SceneError(f"{path}: no results here (neither results.h5 nor fcg.csv)")
-    scene = replace(load_scene(path / "scene.resolved.toml"), name=path.resolve().name)
+    scene = replace(read_scene(path / "scene.resolved.toml"), name=path.resolve().name)
     outcomes = [_with_history(path, outcome) for outcome in read_fcg(path / "fcg.csv")]
     _refuse_other_scene(path, scene, outcomes)
     text = (path / "scene.resolved.toml").read_text(encoding="utf-8")
     return Result(path, scene, outcomes, _measured(scene, None), text)
 
 
+def read_scene(path: Path) -> Scene:
+    """Return the scene of results, also where it names laws that are not at hand.
+
+    Args:
+        path: ``scene.resolved.toml``.
+
+    Raises:
+        SceneError: It cannot be read.
+    """
+    try:
+        laws = laws_of_results(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        # The reader of scenes says what is wrong.
+        return load_scene(path)
+    return load_scene(path, (), laws)
+
+
 def _stored(folder: Path, file: Path) -> Result:
     stored = read_results(file)
-    scene = load_scene_text(stored.scene_text, folder.resolve().name)
+    laws = laws_of_results(stored.scene_text)
+    scene = load_scene_text(stored.scene_text, folder.resolve().name, (), laws)
     _refuse_other_scene(folder, scene, stored.outcomes)
     measured = _measured(scene, stored.experiment_text)
     return Result(folder, scene, stored.outcomes, measured, stored.scene_text, stored.provenance)

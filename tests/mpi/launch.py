@@ -66,12 +66,17 @@ def command(ranks: int, program: tuple[str, ...], *arguments: object) -> list[st
 
 
 def start(
-    ranks: int, folder: Path, *arguments: object, program: tuple[str, ...] = RUN
+    ranks: int,
+    folder: Path,
+    *arguments: object,
+    program: tuple[str, ...] = RUN,
+    scene: Path | None = None,
 ) -> subprocess.Popen[str]:
-    """Start ``program folder/small.toml --output folder/out ARGUMENTS``."""
-    scene = folder / "small.toml"
-    if not scene.exists():
-        scene.write_text(SCENE)
+    """Start ``program SCENE --output folder/out ARGUMENTS``, by default with folder/small.toml."""
+    if scene is None:
+        scene = folder / "small.toml"
+        if not scene.exists():
+            scene.write_text(SCENE)
     given = (scene, "--output", folder / "out", *arguments)
     return subprocess.Popen(
         command(ranks, program, *given),
@@ -86,9 +91,13 @@ def start(
 
 
 def run(
-    ranks: int, folder: Path, *arguments: object, program: tuple[str, ...] = RUN
+    ranks: int,
+    folder: Path,
+    *arguments: object,
+    program: tuple[str, ...] = RUN,
+    scene: Path | None = None,
 ) -> subprocess.CompletedProcess[str]:
-    process = start(ranks, folder, *arguments, program=program)
+    process = start(ranks, folder, *arguments, program=program, scene=scene)
     try:
         out, err = process.communicate(timeout=SECONDS)
     except subprocess.TimeoutExpired:
