@@ -24,7 +24,7 @@ _EXAMPLES = """examples:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; return its exit status (0 done, 2 bad input)."""
+    """Run the command; return its exit status (0 done, 1 not writable, 2 bad input)."""
     parser = CommandParser(
         "report", "Draw the figures and write report.html of a finished result folder.", _EXAMPLES
     )
@@ -49,6 +49,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except PearliteError as error:
         complain(str(error))
         return ExitStatus.BAD_INPUT
+    except OSError as error:
+        complain(f"the report cannot be written: {error}; what was there before stays")
+        return ExitStatus.BROKEN
     sys.stdout.write("".join(f"wrote {path}\n" for path in written))
     return ExitStatus.DONE
 

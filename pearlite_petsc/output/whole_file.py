@@ -13,14 +13,22 @@ def whole_file(path: Path) -> Iterator[Path]:
 
     The folder is made if need be. After an error the partial file is removed and an older file of
     that name stays as it was.
+
+    Raises:
+        OSError: It cannot be written; with the name of the file, which writers leave out.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(path.name + ".partial")
     try:
-        yield partial
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            yield partial
+            partial.replace(path)
+        finally:
+            partial.unlink(missing_ok=True)
+    except OSError as error:
+        if error.errno is None:
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
 
 
 def make_folder(path: Path) -> None:

@@ -35,15 +35,28 @@ def main() -> int:
     return run.main(ARGUMENTS)
 
 
+def allow_files_of(size: int) -> None:
+    """Do what the file system does when it is full, without filling one."""
+    # MPI has its files by now.
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+
+
 def patch() -> None:
     from pearlite_petsc.ensemble import crack, group, worker
     from pearlite_petsc.errors import MeshError, SolverError
     from pearlite_petsc.growth import refinement
 
     if FAULT == "small_files":
-        # What the file system does when it is full, without filling one; MPI has its files by now.
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, resource.RLIM_INFINITY))
+        allow_files_of(20_000)
+    if FAULT == "small_figures":
+        from pearlite_petsc.ensemble import session
+
+        def draw_on_a_full_disk(*arguments: Any) -> bool:
+            allow_files_of(20_000)
+            return drawing(*arguments)
+
+        drawing, session.draw_and_report = session.draw_and_report, draw_on_a_full_disk
 
     class Faulty(crack.CrackGrowth):
         def steps(self) -> Iterator[Any]:

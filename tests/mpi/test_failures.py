@@ -62,13 +62,37 @@ def test_a_disk_that_is_full_is_said_and_the_next_run_goes_on(
 ) -> None:
     done = run(1, tmp_path, program=(*FAULTY, "small_files"))
     assert done.returncode == 1
-    assert "File too large" in done.stderr
+    assert_one_message(done, "File too large")
     assert "--resume goes on" in done.stdout
     assert not list((tmp_path / "out").rglob("*.partial"))
     done = run(1, tmp_path, "--resume")
     assert done.returncode == 0, done.stderr
     assert "going on: " in done.stdout
     assert_same_cracks(tmp_path, reference)
+
+
+def assert_one_message(done: subprocess.CompletedProcess[str], what: str) -> None:
+    """Assert that one line says what cannot be written, and that no traceback is shown."""
+    said = [line for line in done.stderr.splitlines() if "the output cannot be written" in line]
+    assert len(said) == 1, done.stderr
+    assert what in said[0]
+    assert "/out/" in said[0]
+    assert "Traceback" not in done.stderr + done.stdout
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_disk_that_fills_while_figures_are_drawn_is_said_once(
+    ranks: int, reference: Path, tmp_path: Path
+) -> None:
+    figures = ("--set", "output.figures=true")
+    done = run(ranks, tmp_path, *figures, program=(*FAULTY, "small_figures"))
+    assert done.returncode == 1
+    assert_one_message(done, "File too large")
+    assert_same_cracks(tmp_path, reference)
+    assert not list((tmp_path / "out").rglob("*.partial"))
+    done = run(1, tmp_path, *figures, "--resume")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "report.html").is_file()
 
 
 def test_a_mesh_that_cannot_be_refined_fails_its_task_on_all_ranks_of_the_group(
