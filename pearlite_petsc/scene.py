@@ -74,11 +74,15 @@ class Elements:
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """Elastic constants [MPa, -] and spring law; plane stress, unit thickness."""
+    """Elastic constants [MPa, -] and spring law; plane stress, unit thickness.
+
+    The fracture toughness [MPa sqrt(um)] limits what is called fatigue; no rate depends on it.
+    """
 
     youngs_modulus: float
     poisson_ratio: float
     springs: SpringLaw
+    fracture_toughness: float = 40e3
 
 
 @dataclass(frozen=True, slots=True)

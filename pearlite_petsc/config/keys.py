@@ -81,6 +81,13 @@ def tables(laws: Laws) -> tuple[Table, ...]:
                     Limits(-1.0, 0.5, open_low=True, open_high=True),
                 ),
                 law_key("springs", springs),
+                number(
+                    "fracture_toughness",
+                    40.0,
+                    "K_max above it is no fatigue, which is said; no rate depends on it, MPa sqrt(m)",
+                    Limits(1.0, 1e4),
+                    "mpa_sqrt_m",
+                ),
             ),
             springs,
         ),

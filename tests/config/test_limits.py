@@ -74,3 +74,22 @@ def test_every_jump_that_was_measured_to_be_wrong_is_noticed(
 
 def test_the_default_scene_is_within_all_limits() -> None:
     assert method_warnings(load_scene_text("", "test", [])) == []
+
+
+def test_a_load_above_the_fracture_toughness_is_named_with_its_key() -> None:
+    levels = "loading.delta_k_mpa_sqrt_m=[18, 36, 36.1, 5000]"
+    (warning,) = method_warnings(load_scene_text("", "test", [levels]))
+    assert warning.startswith("Delta-K = 36.1, 5000 MPa sqrt(m): K_max = 5555.56 is above")
+    assert "material.fracture_toughness_mpa_sqrt_m" in warning
+    tougher = "material.fracture_toughness_mpa_sqrt_m=6000"
+    assert method_warnings(load_scene_text("", "test", [levels, tougher])) == []
+    # The largest load counts, not the range.
+    (warning,) = method_warnings(load_scene_text("", "test", ["loading.load_ratio=0.5"]))
+    assert warning.startswith("Delta-K = 25 MPa sqrt(m): K_max = 50 ")
+
+
+@pytest.mark.parametrize(("notch", "count"), [(0.1, 1), (7.9, 1), (8.0, 0), (80.0, 0)])
+def test_a_notch_that_ends_at_the_windows_edge_is_named(notch: float, count: int) -> None:
+    warnings = method_warnings(load_scene_text("", "test", [f"window.notch_um={notch}"]))
+    assert len(warnings) == count
+    assert all("notch of" in warning for warning in warnings)
