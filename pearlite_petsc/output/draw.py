@@ -68,7 +68,7 @@ def figure_jobs(result: Result) -> list[Job]:
         jobs.append(("growth", partial(draw_growth, folder / "growth", outcomes, names)))
     jobs += [
         ("lamella_angles", partial(_angles, folder, scene)),
-        ("fcg", partial(draw_rates, folder / "fcg", outcomes, scene.states, result.measured)),
+        ("fcg", partial(_rates, result)),
         ("tortuosity", partial(draw_tortuosity, folder / "tortuosity", outcomes, names)),
     ]
     if len(names) > 1:
@@ -220,6 +220,12 @@ def _view(scene: Scene, lines: Sequence[PathLine]) -> tuple[float, float, float,
     x = float(np.clip(0.5 * (low[0] + high[0]), half, scene.window.width - half))
     y = float(np.clip(0.5 * (low[1] + high[1]), half, scene.window.height - half))
     return x - half, x + half, y - half, y + half
+
+
+def _rates(result: Result) -> None:
+    scene, path = result.scene, result.folder / "figures" / "fcg"
+    ratio = scene.loading.load_ratio
+    draw_rates(path, result.outcomes, scene.states, result.measured, ratio)
 
 
 def _mesh(result: Result) -> None:

@@ -37,6 +37,11 @@ GROWTH_LAWS = (
 )
 
 RAIL_LIMITS = (GrowthLimit(10.0, 1.7e-8), GrowthLimit(13.5, 5.5e-8))
-"""EN 13674-1, at load ratio 0.5."""
+RAIL_LIMITS_RATIO = 0.5
+"""EN 13674-1, and its load ratio."""
 
-RAIL_LIMITS_NAME = "EN 13674-1 limits (R = 0.5)"
+
+def rail_limits_name(load_ratio: float) -> str:
+    """Return the limits' name beside rates computed at a load ratio, another than theirs said."""
+    computed = "" if load_ratio == RAIL_LIMITS_RATIO else f"; computed: R = {load_ratio:g}"
+    return f"EN 13674-1 limits (for R = {RAIL_LIMITS_RATIO:g}{computed})"

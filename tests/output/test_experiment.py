@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.output.experiment import MeasuredPoint, read_experiment
-from pearlite_petsc.output.literature import GROWTH_LAWS, RAIL_LIMITS
+from pearlite_petsc.output.literature import GROWTH_LAWS, RAIL_LIMITS, rail_limits_name
 
 HEAD = "state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\n"
 
@@ -119,3 +119,8 @@ def test_literature_lines_are_the_published_ones() -> None:
         (10.0, 1.7e-8),
         (13.5, 5.5e-8),
     ]
+
+
+def test_limits_of_another_load_ratio_say_so() -> None:
+    assert rail_limits_name(0.5) == "EN 13674-1 limits (for R = 0.5)"
+    assert rail_limits_name(0.1) == "EN 13674-1 limits (for R = 0.5; computed: R = 0.1)"

@@ -21,7 +21,8 @@ from pearlite_petsc.output.figures.style import (
 from pearlite_petsc.output.literature import (
     GROWTH_LAWS,
     RAIL_LIMITS,
-    RAIL_LIMITS_NAME,
+    RAIL_LIMITS_RATIO,
+    rail_limits_name,
 )
 from pearlite_petsc.output.statistics import (
     RateCurve,
@@ -43,6 +44,7 @@ def draw_rates(
     outcomes: Sequence[Outcome],
     states: Sequence[State],
     measured: Sequence[MeasuredPoint] = (),
+    load_ratio: float = RAIL_LIMITS_RATIO,
 ) -> None:
     """Draw da/dN over Delta-K, one panel for each shear plane (undeformed in both).
 
@@ -56,6 +58,7 @@ def draw_rates(
         outcomes: Tasks of one scene.
         states: The scene's states in order.
         measured: User's points; states that the scene does not have are drawn grey.
+        load_ratio: R of the tasks; another than that of the drawn limits is said beside them.
     """
     panels = _panels(states)
     with drawing(path, 3.7 * max(len(panels), 1.5), 4.9) as figure:
@@ -63,7 +66,7 @@ def draw_rates(
         for axes, (title, names) in zip(grid, panels, strict=True):
             axes.set_title(title)
             _fill(axes, outcomes, states, names, measured)
-        _finish(grid, outcomes, states, measured)
+        _finish(grid, outcomes, states, measured, load_ratio)
         legend_below(figure, _handles(grid, states), 3 if len(panels) > 1 else 2)
 
 
@@ -118,12 +121,13 @@ def _finish(
     outcomes: Sequence[Outcome],
     states: Sequence[State],
     measured: Sequence[MeasuredPoint],
+    load_ratio: float = RAIL_LIMITS_RATIO,
 ) -> None:
     """Give panels that share their axes limits, literature, ticks and names."""
     low, high = _range(outcomes, states, measured)
     for axes in panels:
         axes.set_xlim(low, high)
-        _literature(axes, low, high)
+        _literature(axes, low, high, load_ratio)
         plain_ticks(axes)
         light_grid(axes)
     if any(_stopped(o) for o in outcomes):
@@ -234,7 +238,7 @@ def _thresholds(axes: Any, states: Sequence[State], styles: dict[str, StateStyle
         axes.plot([], [], ":", color=GREY, linewidth=0.9, label=r"thresholds $\Delta K_{th}$")
 
 
-def _literature(axes: Any, low: float, high: float) -> None:
+def _literature(axes: Any, low: float, high: float, load_ratio: float) -> None:
     x = np.geomspace(low, high, 30)
     for law, dash in zip(GROWTH_LAWS, ("-", "-."), strict=True):
         axes.plot(x, law.rate(x), dash, color=GREY, linewidth=0.9, zorder=1, label=law.name)
@@ -245,7 +249,7 @@ def _literature(axes: Any, low: float, high: float) -> None:
         color=GREY,
         markersize=8.0,
         zorder=2,
-        label=RAIL_LIMITS_NAME,
+        label=rail_limits_name(load_ratio),
     )
 
 

@@ -267,8 +267,9 @@ def _reproduce(result: Result, scene_text: str, provenance: Mapping[str, Any]) -
     )
     source = (
         "Method: Davoodi Jooneghani, Six, Sharifi, Poletti, Trummer, Fatigue Crack Growth "
-        "Simulation of R260 Rail Grade Pearlitic Steel Using the Discrete Element Method, 2025, "
-        "doi 10.20944/preprints202503.0141.v1 (CC BY 4.0)."
+        "Simulation of R260 Rail Grade Pearlitic Steel Using the Discrete Element Method, Machines "
+        "2025, 13(4), 305, doi 10.3390/machines13040305 (preprint: doi "
+        "10.20944/preprints202503.0141.v1)."
     )
     return (
         listing(commands)
