@@ -11,6 +11,7 @@ from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.errors import SolverError
 from pearlite_petsc.fatigue.cycle_jumps.situation import Block, Trial, Trials
 from pearlite_petsc.fatigue.outcome import GrowthState, Outcome, Step, StopReason
+from pearlite_petsc.growth.block_check import refuse_impossible
 from pearlite_petsc.growth.body import CrackedBody
 from pearlite_petsc.growth.case import CrackCase
 from pearlite_petsc.growth.checkpoint import Checkpoint
@@ -77,7 +78,7 @@ class CrackGrowth(Closing):
         """
         stop = None
         while stop is None:
-            with self._errors_say_where():
+            with _errors_that_say_where(self):
                 elements = self.case.scene.elements
                 if needs_another_mesh(elements, self._body, self._damage, self._refinement):
                     self._replace_mesh()
@@ -156,19 +157,27 @@ class CrackGrowth(Closing):
     def _next_block(self) -> Block | None:
         """Run the cycle jump and answer its trials; None where no interface has a rate."""
         settings = self.case.scene.cycle_jump
-        start = self._body.situation(self._damage)
-        found: Block | Trials | None = called(settings.method, start, settings)
-        if not isinstance(found, Generator):
-            return found
+        found: Block | Trials | None = called(
+            settings.method, self._body.situation(self._damage), settings
+        )
+        block = self._answered(found) if isinstance(found, Generator) else found
+        if block is not None:
+            refuse_impossible(self.comm, block, self._damage.damage)
+        return block
+
+    def _answered(self, trials: Trials) -> Block | None:
+        """Return the block at the end of trials, each answered by a solve."""
+        jump = None
         try:
-            trial = next(found)
+            trial = next(trials)
             while not self._reaches_edge(trial):
-                trial = found.send(self._solve(trial.damage))
+                jump = self._solve(trial.damage)
+                trial = trials.send(jump)
         except StopIteration as end:
             block: Block | None = end.value
             return block
-        # No equilibrium need exist there, and the crack has ended anyway.
-        return Block(trial.cycles, trial.damage)
+        # No equilibrium need exist there, and the crack has ended anyway: the last solve's jumps stay.
+        return Block(trial.cycles, trial.damage, jump)
 
     def _reaches_edge(self, trial: Trial) -> bool:
         """Return whether a trial brings the crack to the window's edge. Collective.
@@ -176,6 +185,7 @@ class CrackGrowth(Closing):
         Raises:
             SolverError: It cuts off a cluster that carries boundary load.
         """
+        refuse_impossible(self.comm, trial, self._damage.damage)
         broken = self.domain.edges(self._damage.broken_by(trial.damage))
         if touches_edge(self.case.scene, self._body.reached_by(broken)):
             return True
@@ -206,15 +216,6 @@ class CrackGrowth(Closing):
         extension = tracker.tip[0] - self._record.start_length
         return reason_to_stop(scene, extension, reached, self._record.solves)
 
-    @contextmanager
-    def _errors_say_where(self) -> Iterator[None]:
-        try:
-            yield
-        except SolverError as error:
-            tip = self._body.tracker.tip
-            where = f"at N = {self.cycles:.6g} cycles, a = {tip[0]:.2f} um"
-            raise SolverError(f"{where}: {error}") from error
-
     def _replace_mesh(self) -> None:
         """Go on with a mesh whose fine zone covers the front again. Collective."""
         scene, prepared = self.case.scene, self._prepared
@@ -231,6 +232,16 @@ class CrackGrowth(Closing):
             self._body = CrackedBody(new, self.case, self._damage.damage)
             stack.pop_all()
         self._owns_domain = True
+
+
+@contextmanager
+def _errors_that_say_where(growth: CrackGrowth) -> Iterator[None]:
+    try:
+        yield
+    except SolverError as error:
+        length = growth._body.tracker.tip[0]
+        where = f"at N = {growth.cycles:.6g} cycles, a = {length:.2f} um"
+        raise SolverError(f"{where}: {error}") from error
 
 
 def _there(value: T | None) -> T:
