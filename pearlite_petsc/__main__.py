@@ -10,7 +10,7 @@ from pearlite_petsc.command_line import complain, given_arguments, say
 from pearlite_petsc.exit_status import ExitStatus
 
 COMMANDS = {
-    "run": "grow the cracks of a scene; on several ranks: mpirun -n 4 pearlite run ...",
+    "run": "grow the cracks of a scene; --ranks N starts several ranks",
     "mesh": "make one mesh of a scene, for ParaView and Python",
     "report": "draw the figures and write the report of a finished run again",
     "calibrate": "fit the damage constant C to measured growth rates",

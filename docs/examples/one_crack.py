@@ -49,22 +49,20 @@ crack = growth.crack()
 assert crack.stop_reason == "grown"
 
 # %% [markdown]
-# The history has a row for every break, the crack's length only changes where a break lengthens it.
-# `da_dn_m_per_cycle` is the least-squares slope over those rows; from one of them to the next the
-# rate scatters over decades, because the crack waits at cementite and boundaries and then jumps.
+# `crack.history` has a row for every break, `crack.rates` one for every moment at which the crack
+# got longer. `crack.da_dn_m_per_cycle` is the least-squares slope through the latter. From one of
+# them to the next (secant) the rate scatters over decades, because the crack waits at cementite and
+# boundaries and then jumps; the parabola through seven of them smooths that.
 
 # %%
-history = crack.history
-advance = np.flatnonzero(np.diff(history.crack_length_um) > 0.0) + 1
-length = np.concatenate([[history.crack_length_um[0]], history.crack_length_um[advance]])
-cycles = np.concatenate([[0.0], history.cycles[advance]])
-rates = 1e-6 * np.diff(length) / np.maximum(np.diff(cycles), 1e-3)
-
-# %%
+rates = crack.rates
 figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13.0, 4.8), layout="constrained")
 crack.plot(ax=left)
 crack.plot_history(ax=middle)
-right.semilogy(length[1:], rates, "o", markersize=4.0, label="from one advance to the next")
+right.semilogy(rates.crack_length_um, rates.secant_m_per_cycle, "o", label="secant")
+right.semilogy(
+    rates.crack_length_um, rates.polynomial_m_per_cycle, "s-", label="parabola through seven"
+)
 right.axhline(crack.da_dn_m_per_cycle, color="black", linestyle="--", label="whole extension")
 right.set(xlabel="crack length a [µm]", ylabel="da/dN [m/cycle]")
 right.grid(True, color="#e6e6e6")

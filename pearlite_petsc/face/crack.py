@@ -9,6 +9,7 @@ from pearlite_petsc import config
 from pearlite_petsc.errors import PearliteError
 from pearlite_petsc.face.scene import Scene
 from pearlite_petsc.face.table import Table
+from pearlite_petsc.fatigue.growth_rate import advances, incremental_polynomial, secant
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.output.tables import UM_PER_M, delta_k_in_mpa_sqrt_m
 
@@ -82,6 +83,27 @@ class Crack:
             solves=outcome.solves,
             wall_s=float(outcome.wall_s),
             message=outcome.message,
+        )
+
+    @property
+    def rates(self) -> Table:
+        """One row for each moment at which the crack got longer, as ``da_dn.csv`` of a run has it.
+
+        ``cycles``, ``crack_length_um``, and da/dN there by the methods of ASTM E647:
+        ``secant_m_per_cycle`` of the step that ended there, and ``polynomial_m_per_cycle`` of the
+        parabola through the seven points round it; NaN where a method has none.
+        """
+        history = self.history
+        # A failed crack has no row at all.
+        chosen = advances(history.crack_length_um)[: len(history)]
+        cycles, length = history.cycles[chosen], history.crack_length_um[chosen]
+        return Table(
+            {
+                "cycles": cycles,
+                "crack_length_um": length,
+                "secant_m_per_cycle": secant(cycles, length) / UM_PER_M,
+                "polynomial_m_per_cycle": incremental_polynomial(cycles, length) / UM_PER_M,
+            }
         )
 
     def to_dict(self) -> dict[str, Any]:

@@ -32,6 +32,7 @@ class Results:
     def __init__(self, result: Result) -> None:
         self.folder, self.provenance = result.folder, result.provenance
         self.scene = Scene._of(result.scene)
+        self._measured = result.measured
         self._outcomes = in_order(result.outcomes, list(self.scene.states))
         self._cracks = [Crack._of(self.scene, outcome) for outcome in self._outcomes]
 
@@ -123,6 +124,8 @@ class Results:
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw da/dN over Delta-K with the scatter from mesh to mesh; return the axes.
 
+        Measured points that the scene names are drawn with them.
+
         Args:
             ax: Where to draw; a new figure's if None.
         """
@@ -131,7 +134,7 @@ class Results:
 
         with on_axes(ax, height=5.4) as axes:
             states = self.scene._program.states
-            show_rates(axes, self._outcomes, states, room_below=ax is None)
+            show_rates(axes, self._outcomes, states, self._measured, room_below=ax is None)
         return axes
 
     def __len__(self) -> int:

@@ -149,6 +149,16 @@ def test_a_crack_draws_its_path_and_its_history() -> None:
     pyplot.close("all")
 
 
+def test_rates_are_those_between_the_moments_at_which_the_crack_got_longer() -> None:
+    rates = crack().rates
+    assert rates.crack_length_um.tolist() == sorted(set(crack().history.crack_length_um.tolist()))
+    assert np.isnan(rates.secant_m_per_cycle[0])
+    steps = 1e-6 * np.diff(rates.crack_length_um) / np.diff(rates.cycles)
+    assert rates.secant_m_per_cycle[1:] == pytest.approx(steps)
+    smooth = rates.polynomial_m_per_cycle[3:-3]
+    assert len(smooth) == 0 or np.isfinite(smooth).all()
+
+
 def test_a_crack_is_a_table_and_a_text() -> None:
     columns = crack().to_dict()
     assert set(columns["state"]) == {"severe_AT"}

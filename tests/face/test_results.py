@@ -87,8 +87,10 @@ def test_the_file_and_the_bare_tables_give_the_same_rates(folder: Path, tmp_path
         whole.rates().da_dn_m_per_cycle, rel=1e-12, nan_ok=True
     )
     assert len(bare.paths()) == 0
+    crack = bare.crack("severe_AT", delta_k_mpa_sqrt_m=18.0)
+    assert len(crack.rates) == len(crack.history) == 0
     with pytest.raises(pp.PearliteError, match="has no path to draw"):
-        bare.crack("severe_AT", delta_k_mpa_sqrt_m=18.0).plot()
+        crack.plot()
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
 from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.fatigue.growth_rate import advances
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.output.figures.style import (
     INK,
@@ -84,7 +85,7 @@ def show_history(
     """
     (line,) = axes.step(cycles, length, where="post", label=label)
     if np.isfinite(rate):
-        grown = np.concatenate([[True], np.diff(length) > 0.0])
+        grown = advances(length)
         middle = cycles[grown].mean(), length[grown].mean()
         axes.plot(cycles[grown], length[grown], "o", color=line.get_color(), markersize=3.0)
         ends = cycles[[0, -1]]
