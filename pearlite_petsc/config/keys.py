@@ -4,47 +4,33 @@ Reading, writing and the JSON schema all follow ``tables`` and ``STATE_KEYS``; t
 the attribute to its dataclass in ``scene`` and one line here.
 """
 
-from dataclasses import dataclass, field
-
 from pearlite_petsc import scene
 from pearlite_petsc.config.shipped import SHIPPED
+from pearlite_petsc.config.table import Table, law_key
 from pearlite_petsc.laws.catalogue import Laws
 from pearlite_petsc.laws.cycle_jump import CycleJumpLaw
 from pearlite_petsc.laws.damage import DamageLaw
 from pearlite_petsc.laws.key import LENGTH, SHARE, Key, Limits, integer, number, switch, word
-from pearlite_petsc.laws.law import Law, Source
+from pearlite_petsc.laws.law import Law
 from pearlite_petsc.laws.springs import SpringLaw
 
 NAME_PATTERN = "[A-Za-z0-9][A-Za-z0-9_+-]{0,59}"
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
-    """One table of the file; its name is the attribute of ``scene.Scene``.
-
-    Attributes:
-        name, build, help: Its name, dataclass and meaning.
-        keys: Keys that are always there.
-        laws: Laws of which the key ``law.key`` chooses one, whose parameters are keys too; the
-            default first.
-    """
-
-    name: str
-    build: type
-    help: str
-    keys: tuple[Key, ...]
-    laws: tuple[Law, ...] = field(default=())
-
-    @property
-    def law_key(self) -> Key | None:
-        """The key that chooses a law, None in a table without laws."""
-        names = {law.key for law in self.laws}
-        return next((key for key in self.keys if key.attribute in names), None)
-
-
 def tables(laws: Laws) -> tuple[Table, ...]:
     """Return the tables of scenes that may choose from a catalogue of laws."""
-    springs, jumps = laws.of(SpringLaw), laws.of(CycleJumpLaw)
+    return (
+        *_window(),
+        _elements(),
+        _material(laws.of(SpringLaw)),
+        _damage(laws.of(DamageLaw)),
+        _loading(),
+        _cycle_jump(laws.of(CycleJumpLaw)),
+        *_run(),
+    )
+
+
+def _window() -> tuple[Table, ...]:
     return (
         Table(
             "microstructure",
@@ -67,51 +53,51 @@ def tables(laws: Laws) -> tuple[Table, ...]:
                 number("notch", 80.0, "length of the notch, um", LENGTH, "um"),
             ),
         ),
-        _elements(),
-        Table(
-            "material",
-            scene.Material,
-            "elastic constants, plane stress",
-            (
-                number("youngs_modulus", 206.0, "E, GPa", Limits(1e-3, 1e5), "gpa"),
-                number(
-                    "poisson_ratio",
-                    0.3,
-                    'nu; below 1/3 with "raje"',
-                    Limits(-1.0, 0.5, open_low=True, open_high=True),
-                ),
-                law_key("springs", springs),
-                number(
-                    "fracture_toughness",
-                    40.0,
-                    "K_max above it is no fatigue, which is said; no rate depends on it, MPa sqrt(m)",
-                    Limits(1.0, 1e4),
-                    "mpa_sqrt_m",
-                ),
+    )
+
+
+def _material(laws: tuple[Law, ...]) -> Table:
+    return Table(
+        "material",
+        scene.Material,
+        "elastic constants, plane stress",
+        (
+            number("youngs_modulus", 206.0, "E, GPa", Limits(1e-3, 1e5), "gpa"),
+            number(
+                "poisson_ratio",
+                0.3,
+                'nu; below 1/3 with "raje"',
+                Limits(-1.0, 0.5, open_low=True, open_high=True),
             ),
-            springs,
-        ),
-        _damage(laws.of(DamageLaw)),
-        _loading(),
-        Table(
-            "cycle_jump",
-            scene.CycleJump,
-            "",
-            (
-                law_key("method", jumps),
-                number(
-                    "delta_d",
-                    1.0,
-                    "largest increment of a block: damage, or released force (compliance)",
-                    Limits(1e-4, 1.0),
-                ),
-                number(
-                    "tolerance", 0.02, 'error of a block in damage ("adaptive")', Limits(1e-6, 1.0)
-                ),
+            law_key("springs", laws),
+            number(
+                "fracture_toughness",
+                40.0,
+                "K_max above it is no fatigue, which is said; no rate depends on it, MPa sqrt(m)",
+                Limits(1.0, 1e4),
+                "mpa_sqrt_m",
             ),
-            jumps,
         ),
-        *_run(),
+        laws,
+    )
+
+
+def _cycle_jump(laws: tuple[Law, ...]) -> Table:
+    return Table(
+        "cycle_jump",
+        scene.CycleJump,
+        "",
+        (
+            law_key("method", laws),
+            number(
+                "delta_d",
+                1.0,
+                "largest increment of a block: damage, or released force (compliance)",
+                Limits(1e-4, 1.0),
+            ),
+            number("tolerance", 0.02, 'error of a block in damage ("adaptive")', Limits(1e-6, 1.0)),
+        ),
+        laws,
     )
 
 
@@ -276,19 +262,6 @@ def _run() -> tuple[Table, ...]:
             ),
         ),
     )
-
-
-def text_key(key: Key, source: Source | None = None) -> Key:
-    """Return the key of the SHA-256 of the text that the chosen law comes from."""
-    help = f"SHA-256 of {source.file}" if source else "SHA-256 of the text of a law of one's own"
-    name = f"{key.name}_sha256"
-    return Key(name, name, "text", "", help)
-
-
-def law_key(attribute: str, laws: tuple[Law, ...]) -> Key:
-    """Return the key that chooses one of some laws, the first by default."""
-    help = ", ".join(f'"{law.name}" ({law.help})' for law in laws)
-    return word(attribute, help, *(law.name for law in laws))
 
 
 TABLES = tables(SHIPPED)

@@ -14,9 +14,10 @@ from pearlite_petsc.config.document import (
     read_text,
     suggestion,
 )
-from pearlite_petsc.config.keys import NAME_PATTERN, Table, tables, text_key
+from pearlite_petsc.config.keys import NAME_PATTERN, tables
 from pearlite_petsc.config.shipped import SHIPPED
 from pearlite_petsc.config.states import SOURCE_STATES, STATE_KEYS
+from pearlite_petsc.config.table import Table, text_key
 from pearlite_petsc.config.values import plain, program_value, show
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.laws.catalogue import Laws

@@ -3,10 +3,11 @@
 from collections.abc import Iterable
 from typing import Any
 
-from pearlite_petsc.config.keys import NAME_PATTERN, Table, tables, text_key
+from pearlite_petsc.config.keys import NAME_PATTERN, tables
 from pearlite_petsc.config.read import MOST_STATES
 from pearlite_petsc.config.shipped import SHIPPED
 from pearlite_petsc.config.states import SOURCE_STATES, STATE_KEYS
+from pearlite_petsc.config.table import Table, text_key
 from pearlite_petsc.config.values import LONGEST_TEXT, MOST_NUMBERS
 from pearlite_petsc.laws.catalogue import Laws
 from pearlite_petsc.laws.key import Key

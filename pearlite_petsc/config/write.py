@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from pearlite_petsc.config.keys import TABLES, Table, text_key
+from pearlite_petsc.config.keys import TABLES
 from pearlite_petsc.config.states import STATE_KEYS
+from pearlite_petsc.config.table import Table, text_key
 from pearlite_petsc.config.values import file_text
 from pearlite_petsc.laws.key import Key
 from pearlite_petsc.laws.law import Law

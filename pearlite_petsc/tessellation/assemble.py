@@ -30,6 +30,11 @@ class Labels:
     colony: IntArray
     lamella_angle: FloatArray
 
+    @property
+    def levels(self) -> tuple[IntArray, IntArray, IntArray]:
+        """Labels from the coarsest level to the finest."""
+        return self.prior_austenite_grain, self.block, self.colony
+
 
 def assemble(
     diagram: Diagram,
@@ -69,23 +74,9 @@ def assemble(
     pairs, normal = diagram.pairs[kept], normal[kept]
     facets = oriented_facets(vertices, diagram.facets[kept], normal)
     on_notch, tip = notch_run(vertices, facets, candidates[kept], window, spacing)
-    between = Facets(
-        vertices,
-        facets,
-        normal,
-        pairs,
-        np.einsum("kd,kd->k", centre[pairs[:, 1]] - centre[pairs[:, 0]], normal),
-        (labels.prior_austenite_grain, labels.block, labels.colony),
-        labels.lamella_angle,
-    )
-    if label_map is None:
-        kind = kinds_by_labels(between)
-        cementite_share = (kind == Kind.CEMENTITE).astype(np.float64)
-    else:
-        shares = shares_by_cut(between, label_map)
-        kind, cementite_share = shares.argmax(axis=1), shares[:, Kind.CEMENTITE]
-    kind[on_notch] = Kind.NOTCH
-    state, index, seed = made_from
+    distance = np.einsum("kd,kd->k", centre[pairs[:, 1]] - centre[pairs[:, 0]], normal)
+    lines = Facets(vertices, facets, normal, pairs, distance, labels.levels, labels.lamella_angle)
+    kind, cementite_share = _kinds(lines, label_map, on_notch)
     return Mesh(
         vertices=vertices,
         junction=merged_groups(len(vertices), diagram.facets[~kept]),
@@ -110,7 +101,21 @@ def assemble(
         boundary_vertices=diagram.boundary_facets,
         window=(window.width, window.height),
         notch=tip,
-        state=state,
-        index=index,
-        seed=seed,
+        state=made_from[0],
+        index=made_from[1],
+        seed=made_from[2],
     )
+
+
+def _kinds(
+    facets: Facets, label_map: LabelMap | None, on_notch: BoolArray
+) -> tuple[IntArray, FloatArray]:
+    """Return the kind and the share of cementite of each facet; (k,) each."""
+    if label_map is None:
+        kind = kinds_by_labels(facets)
+        cementite_share = (kind == Kind.CEMENTITE).astype(np.float64)
+    else:
+        shares = shares_by_cut(facets, label_map)
+        kind, cementite_share = shares.argmax(axis=1), shares[:, Kind.CEMENTITE]
+    kind[on_notch] = Kind.NOTCH
+    return kind, cementite_share

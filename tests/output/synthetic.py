@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import Voronoi
 
-from pearlite_petsc.arrays import FloatArray
+from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.outcome import Crack, GrowthState, Outcome, StopReason
 from pearlite_petsc.scene import Kind
 from pearlite_petsc.tessellation.mesh import Mesh
@@ -14,13 +14,8 @@ def voronoi_mesh(columns: int = 8, rows: int = 8, size: float = 10.0, seed: int 
 
     Points are mirrored across the window's edges and across mid height, so that both are straight.
     """
-    rng = np.random.default_rng(seed)
     width, height = columns * size, rows * size
-    x, y = np.meshgrid(np.arange(columns) + 0.5, np.arange(rows // 2) + 0.5)
-    lower = np.stack([x.ravel(), y.ravel()], axis=1) * size
-    lower += rng.uniform(-0.25, 0.25, lower.shape) * size
-    upper = lower * [1.0, -1.0] + [0.0, height]
-    centre = np.concatenate([lower, upper])
+    centre = _jittered_grid(columns, rows, size, seed)
     images = [centre]
     for axis, extent in ((0, width), (1, height)):
         for edge in (0.0, extent):
@@ -38,52 +33,78 @@ def voronoi_mesh(columns: int = 8, rows: int = 8, size: float = 10.0, seed: int 
         corners = renumber[diagram.regions[diagram.point_region[element]]]
         arm = vertices[corners] - centre[element]
         polygons.append(corners[np.argsort(np.arctan2(arm[:, 1], arm[:, 0]))])
-    area = np.array([_area(vertices[corners]) for corners in polygons])
-    pairs, facets = np.asarray(diagram.ridge_points), np.asarray(diagram.ridge_vertices)
-    order = np.sort(pairs, axis=1)
-    inner = order[:, 1] < count
-    outer = (order[:, 0] < count) & ~inner & np.all(facets >= 0, axis=1)
-    elements, ends = order[inner], renumber[facets[inner]]
-    along = vertices[ends[:, 1]] - vertices[ends[:, 0]]
-    length = np.linalg.norm(along, axis=1)
-    keep = length > 1e-6 * size
-    elements, ends, length = elements[keep], ends[keep], length[keep]
+    pairs, facets = np.sort(diagram.ridge_points, axis=1), np.asarray(diagram.ridge_vertices)
+    inner = pairs[:, 1] < count
+    outer = (pairs[:, 0] < count) & ~inner & np.all(facets >= 0, axis=1)
+    elements, ends = _long(pairs[inner], renumber[facets[inner]], vertices, size)
+    boundary, boundary_ends = _long(pairs[outer, 0], renumber[facets[outer]], vertices, size)
+    arm = vertices[boundary_ends] - [0.5 * width, 0.5 * height]
+    clockwise = arm[:, 0, 0] * arm[:, 1, 1] - arm[:, 0, 1] * arm[:, 1, 0] < 0.0
+    boundary_ends[clockwise] = boundary_ends[clockwise][:, ::-1]
+    return _mesh(
+        vertices,
+        centre,
+        polygons,
+        (elements, ends),
+        (boundary, boundary_ends),
+        (columns, rows, size, seed),
+    )
+
+
+def _jittered_grid(columns: int, rows: int, size: float, seed: int) -> FloatArray:
+    x, y = np.meshgrid(np.arange(columns) + 0.5, np.arange(rows // 2) + 0.5)
+    lower = np.stack([x.ravel(), y.ravel()], axis=1) * size
+    lower += np.random.default_rng(seed).uniform(-0.25, 0.25, lower.shape) * size
+    return np.concatenate([lower, lower * [1.0, -1.0] + [0.0, rows * size]])
+
+
+def _long(
+    owners: IntArray, ends: IntArray, vertices: FloatArray, size: float
+) -> tuple[IntArray, IntArray]:
+    """Return facets without those of no length."""
+    keep = np.linalg.norm(np.diff(vertices[ends], axis=1)[:, 0], axis=1) > 1e-6 * size
+    return owners[keep], ends[keep]
+
+
+def _mesh(
+    vertices: FloatArray,
+    centre: FloatArray,
+    polygons: list[IntArray],
+    inner: tuple[IntArray, IntArray],
+    boundary: tuple[IntArray, IntArray],
+    grid: tuple[int, int, float, int],
+) -> Mesh:
+    elements, ends = inner
+    columns, rows, size, seed = grid
+    width, height = columns * size, rows * size
     normal = centre[elements[:, 1]] - centre[elements[:, 0]]
-    normal = normal / np.linalg.norm(normal, axis=1)[:, None]
     midpoint = vertices[ends].mean(axis=1)
     colony = (centre[:, 0] // (2.0 * size)).astype(np.int64)
     kind = np.where(colony[elements[:, 0]] != colony[elements[:, 1]], Kind.COLONY, Kind.LAMELLA)
     notch = (np.abs(midpoint[:, 1] - 0.5 * height) < 1e-9) & (midpoint[:, 0] < 0.4 * width)
-    kind = np.where(notch, Kind.NOTCH, kind).astype(np.int64)
-    boundary, boundary_ends = order[outer, 0], renumber[facets[outer]]
-    long = np.linalg.norm(np.diff(vertices[boundary_ends], axis=1)[:, 0], axis=1) > 1e-6 * size
-    boundary, boundary_ends = boundary[long], boundary_ends[long]
-    arm = vertices[boundary_ends] - [0.5 * width, 0.5 * height]
-    clockwise = arm[:, 0, 0] * arm[:, 1, 1] - arm[:, 0, 1] * arm[:, 1, 0] < 0.0
-    boundary_ends[clockwise] = boundary_ends[clockwise][:, ::-1]
     tip = vertices[ends[notch]].reshape(-1, 2)[:, 0].max()
     return Mesh(
         vertices=vertices,
         junction=np.arange(len(vertices)),
         centre=centre,
-        area=area,
+        area=np.array([_area(vertices[corners]) for corners in polygons]),
         offsets=np.concatenate([[0], np.cumsum([len(p) for p in polygons])]),
         vertex_indices=np.concatenate(polygons),
         colony=colony,
         block=colony // 2,
         prior_austenite_grain=colony // 4,
         lamella_angle=np.mod(0.7 * colony, np.pi),
-        nucleus=np.arange(count),
-        fine=np.ones(count, dtype=bool),
+        nucleus=np.arange(len(centre)),
+        fine=np.ones(len(centre), dtype=bool),
         interface_elements=elements,
         interface_vertices=ends,
-        length=length,
+        length=np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1),
         midpoint=midpoint,
-        normal=normal,
-        kind=kind,
+        normal=normal / np.linalg.norm(normal, axis=1)[:, None],
+        kind=np.where(notch, Kind.NOTCH, kind).astype(np.int64),
         cementite_share=np.zeros(len(kind)),
-        boundary_elements=boundary,
-        boundary_vertices=boundary_ends,
+        boundary_elements=boundary[0],
+        boundary_vertices=boundary[1],
         window=(width, height),
         notch=(float(tip), 0.5 * height),
         state="undeformed",
