@@ -4,8 +4,9 @@ import tomllib
 from dataclasses import replace
 from typing import Any
 
-from pearlite_petsc.config.keys import TABLES, Table, text_key
+from pearlite_petsc.config.keys import TABLES
 from pearlite_petsc.config.shipped import SHIPPED
+from pearlite_petsc.config.table import Table, text_key
 from pearlite_petsc.errors import PearliteError
 from pearlite_petsc.laws.catalogue import Laws
 from pearlite_petsc.laws.cycle_jump import CycleJumpLaw
