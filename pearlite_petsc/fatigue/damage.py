@@ -11,6 +11,7 @@ from pearlite_petsc.mechanics.lefm import TIP_FACTOR
 from pearlite_petsc.scene import Damage, Kind, State
 
 _SEGMENTS = 64
+_BLEND = 10
 
 
 def yield_stress(shear_strain: float) -> float:
@@ -95,20 +96,24 @@ def rated_length(
 ) -> FloatArray:
     """Return the length l by which an interface is rated [um]: L at the crack, l_0 far from it.
 
-    A tip at distance r loads an interface with K/sqrt(2 pi r), as it loads one of length 2r that
-    touches it: between, l = 2r. The blend has no kink at l_0:
-    l = L + (q^-4 + a^-4)^(-1/4), q = <2r - L> and a = <l_0 - L>.
+    The K field of a tip at distance r puts the mean stress b K/sqrt(l) on an interface that lies
+    between r - L/2 and r + L/2, sqrt(l) = sqrt(r + L/2) + sqrt(r - L/2): L where it touches the tip,
+    4 r far ahead. Rated by l, every interface has the threshold that Delta-K_th puts on it there.
+    l is held below l_0 by (q^-n + a^-n)^(-1/n) in place of the smaller of q = l - L and a = l_0 - L,
+    n = 10, which has no kink.
 
     Args:
         length: L [um]; shape (k,).
         crack_distance: r of the midpoint [um]; shape (k,).
         critical_distance: l_0 [um].
     """
-    way = np.maximum(2.0 * crack_distance - length, 0.0)
+    half = 0.5 * length
+    distance = np.maximum(crack_distance, half)
+    way = 2.0 * (distance - half + np.sqrt((distance - half) * (distance + half)))
     room = np.maximum(critical_distance - length, 0.0)
     least, most = np.minimum(way, room), np.maximum(way, room)
     share = np.divide(least, most, where=most > 0.0, out=np.zeros_like(most))
-    return np.asarray(length + least / (1.0 + share**4) ** 0.25)
+    return np.asarray(length + least / (1.0 + share**_BLEND) ** (1.0 / _BLEND))
 
 
 def by_critical_distance(
