@@ -11,7 +11,11 @@ from pearlite_petsc.face.scene import Scene
 from pearlite_petsc.face.table import Table
 from pearlite_petsc.fatigue.growth_rate import advances, incremental_polynomial, secant
 from pearlite_petsc.fatigue.outcome import Outcome
-from pearlite_petsc.output.tables import UM_PER_M, delta_k_in_mpa_sqrt_m
+from pearlite_petsc.output.tables import (
+    GROWTH_COLUMNS,
+    UM_PER_M,
+    delta_k_in_mpa_sqrt_m,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +39,8 @@ class Crack:
         extension_um: Growth along x [um].
         tortuosity: Length of the path over the extension; NaN where that is below one colony.
         history: One row a break: ``cycles``, ``crack_length_um`` (with the notch),
-            ``path_length_um``, ``broken_interfaces``.
+            ``path_length_um``, ``broken_interfaces``, ``k_1_over_delta_k``,
+            ``k_2_over_delta_k``, ``k_misfit`` as measured at the tip (NaN where not).
         path: Vertices of the path from the notch to the tip: ``x_um``, ``y_um``.
         solves: Linear solves.
         wall_s: Wall time [s].
@@ -59,7 +64,7 @@ class Crack:
 
     @classmethod
     def _of(cls, scene: Scene, outcome: Outcome, finished: bool = True) -> "Crack":
-        history = np.empty((0, 4)) if outcome.history is None else outcome.history
+        history = np.empty((0, len(GROWTH_COLUMNS))) if outcome.history is None else outcome.history
         path = np.empty((0, 2)) if outcome.path is None else outcome.path
         return cls(
             scene=scene,
@@ -77,6 +82,9 @@ class Crack:
                     "crack_length_um": history[:, 1],
                     "path_length_um": history[:, 2],
                     "broken_interfaces": history[:, 3].astype(np.int64),
+                    "k_1_over_delta_k": history[:, 4],
+                    "k_2_over_delta_k": history[:, 5],
+                    "k_misfit": history[:, 6],
                 }
             ),
             path=Table({"x_um": path[:, 0], "y_um": path[:, 1]}),

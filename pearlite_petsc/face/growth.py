@@ -170,7 +170,7 @@ def grow_crack(
         >>> mesh = build_mesh(Scene(loading={"extension_um": 5.0}), "severe_AT")
         >>> crack = grow_crack(mesh, delta_k_mpa_sqrt_m=18.0)
         >>> crack.history.columns
-        ('cycles', 'crack_length_um', 'path_length_um', 'broken_interfaces')
+        ('cycles', 'crack_length_um', 'path_length_um', 'broken_interfaces', 'k_1_over_delta_k', 'k_2_over_delta_k', 'k_misfit')
         >>> faster = mesh.scene.replace(damage={"c_um5_per_n2": 2 * 4410.0})
         >>> twice = grow_crack(mesh, delta_k_mpa_sqrt_m=18.0, scene=faster)
         >>> round(twice.da_dn_m_per_cycle / crack.da_dn_m_per_cycle, 6)

@@ -101,7 +101,8 @@ class Outcome:
             "direct", "loose_elements", ...).
         wall_s: Wall time [s].
         elements: Elements of the last mesh.
-        history: Columns cycles, crack_length, path_length, broken_interfaces; (h, 4).
+        history: Columns cycles, crack_length, path_length, broken_interfaces, K_I and K_II at the
+            tip over Delta-K and the misfit of their measurement, NaN where there is none; (h, 7).
         path: Crack path at the end [um]; (p, 2).
         broken_pairs: Nuclei of the two elements of each broken interface, notch excluded, sorted;
             (b, 2). Equal for the same crack on differently graded meshes.

@@ -16,7 +16,7 @@ from pearlite_petsc.solver.equilibrium_state import EquilibriumState
 if TYPE_CHECKING:
     from pearlite_petsc.growth.domain import Domain
 
-FORM = 6
+FORM = 7
 """Number of what a checkpoint holds and means; to be raised with every change of it."""
 
 Change = Callable[[FloatArray], FloatArray]

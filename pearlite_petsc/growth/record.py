@@ -8,12 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pearlite_petsc.arrays import BoolArray, FloatArray
-from pearlite_petsc.fatigue.growth_rate import slope
+from pearlite_petsc.fatigue.growth_rate import advances, slope
 from pearlite_petsc.fatigue.outcome import Crack, Outcome, StopReason
 from pearlite_petsc.growth.case import CrackCase
 from pearlite_petsc.growth.refinement import interface_pairs
+from pearlite_petsc.mechanics.tip_fields import TipFields
 from pearlite_petsc.scene import Kind
 from pearlite_petsc.tessellation.mesh import Mesh
+
+_UNKNOWN_TIP = (math.nan, math.nan, math.nan)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +25,8 @@ class Record:
 
     Attributes:
         history: Columns cycles, crack_length, path_length, broken_interfaces [cycles, um, um, -],
-            one row a change of the crack, the first at its start; (h, 4).
+            then K_I and K_II at the tip over Delta-K and the misfit of their measurement, NaN where
+            there is none; one row a change of the crack, the first at its start; (h, 7).
         solves, refinements: Linear solves, meshes replaced.
         counters: Counts of the blocks, and of the solvers of meshes that were replaced.
         wall_s: Wall time [s].
@@ -53,8 +57,23 @@ class Record:
 
     def with_break(self, cycles: float, length: float, path: float, broken: int) -> "Record":
         """Return the record with a row of the history [cycles, um, um, -]."""
-        row = np.array([[cycles, length, path, broken]])
+        row = np.array([[cycles, length, path, broken, *_UNKNOWN_TIP]])
         return replace(self, history=np.concatenate([self.history, row]))
+
+    @property
+    def lacks_tip(self) -> bool:
+        """Whether K has not been measured since the crack last changed."""
+        return bool(np.isnan(self.history[-1, -1]))
+
+    def with_tip(self, fields: TipFields, delta_k: float) -> "Record":
+        """Return the record with what was measured at the tip of now under Delta-K [MPa sqrt(um)]."""
+        history = self.history.copy()
+        history[-1, -len(_UNKNOWN_TIP) :] = (
+            fields.k_1 / delta_k,
+            fields.k_2 / delta_k,
+            fields.misfit,
+        )
+        return replace(self, history=history)
 
     def now(self, counts: Mapping[str, int], seconds: float) -> "Record":
         """Return the record with the counts of the present mesh's solver, seconds later."""
@@ -63,7 +82,7 @@ class Record:
 
 def new_record(crack_length: float) -> Record:
     """Return the record of a crack that starts at a length [um]."""
-    return Record(np.array([[0.0, crack_length, 0.0, 0.0]]), 0, 0, {}, 0.0)
+    return Record(np.array([[0.0, crack_length, 0.0, 0.0, *_UNKNOWN_TIP]]), 0, 0, {}, 0.0)
 
 
 def outcome_of(
@@ -92,11 +111,12 @@ def outcome_of(
     history = record.history
     if history[-1, 0] < cycles:
         history = np.vstack([history, [cycles, *history[-1, 1:]]])
-    grown = np.concatenate([[True], np.diff(history[:, 1]) > 0.0])
     long_enough = extension >= case.scene.microstructure.colony
     broken = (damage >= 1.0) & (mesh.kind != Kind.NOTCH)
     # A crack that stands still has no rate: the slope until then says nothing of its life.
-    rate = math.nan if stop is StopReason.ARRESTED else slope(*history[grown, :2].T)
+    rate = (
+        math.nan if stop is StopReason.ARRESTED else slope(*history[advances(history[:, 1]), :2].T)
+    )
     counters = {**record.counters, "loose_elements": int(loose.sum())}
     return Outcome(
         state=case.state.name,

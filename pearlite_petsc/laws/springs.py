@@ -45,9 +45,13 @@ class SpringLaw(Law):
     Attributes:
         meets_poisson_ratio: Whether the function also takes ``ratio``, the k_t/k_n with which the
             mesh shows the material's Poisson ratio; the program finds it.
+        poisson_ratio: The one that any mesh shows with this law, together with the material's
+            Young's modulus; None where the law shows other constants. K at the tip is measured
+            where they are known.
     """
 
     meets_poisson_ratio: bool = False
+    poisson_ratio: float | None = None
 
     table: ClassVar[str] = "material"
     key: ClassVar[str] = "springs"

@@ -79,7 +79,7 @@ def _no_third(material: Material) -> tuple[str, str] | None:
     return "poisson_ratio", f'{what}; use springs = "matched" or "homogeneous"'
 
 
-HOMOGENEOUS = SpringLaw(name="homogeneous", help="E/L_eq", function=homogeneous)
+HOMOGENEOUS = SpringLaw(name="homogeneous", help="E/L_eq", function=homogeneous, poisson_ratio=0.0)
 MATCHED = SpringLaw(name="matched", help="meets nu", function=matched, meets_poisson_ratio=True)
 RAJE = SpringLaw(name="raje", help="Eq. (24)-(25), nu below 1/3", function=raje, check=_no_third)
 LAWS = (HOMOGENEOUS, MATCHED, RAJE)

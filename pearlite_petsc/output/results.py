@@ -101,7 +101,7 @@ _COLUMNS = (
     ),
 )
 _HISTORY = np.dtype(
-    [(name, np.float64) for name in GROWTH_COLUMNS[:-1]] + [(GROWTH_COLUMNS[-1], np.int64)]
+    [(name, np.int64 if name == "broken_interfaces" else np.float64) for name in GROWTH_COLUMNS]
 )
 
 
@@ -183,9 +183,9 @@ def read_results(path: Path) -> Results:
 def _put_arrays(group: Any, outcome: Outcome) -> None:
     if outcome.history is not None:
         rows = np.array([tuple(row) for row in outcome.history.tolist()], dtype=_HISTORY)
-        _put(
-            group, "history", rows, "cycle, um, um, 1", "N, furthest x, length of the path, broken"
-        )
+        units = "cycle, um, um, 1, 1, 1, 1"
+        about = "N, furthest x, length of the path, broken, K_I, K_II over Delta-K, misfit of K"
+        _put(group, "history", rows, units, about)
     if outcome.path is not None:
         about = "vertices of the crack path at the end, x and y"
         _put(group, "path_um", outcome.path, "um", about)
@@ -224,11 +224,18 @@ def _arrays(group: Any, first: bool) -> dict[str, Any]:
     names = {"history": "history", "path": "path" if first else "path_um"}
     names["broken_pairs"] = "broken_pairs"
     arrays = {name: group[place][()] for name, place in names.items() if place in group}
-    if "history" in arrays and not first:
-        arrays["history"] = _plain(arrays["history"])
+    if "history" in arrays:
+        arrays["history"] = _side_by_side(arrays["history"], first)
     return arrays
 
 
-def _plain(history: Any) -> FloatArray:
-    """Return the named columns of a history side by side; shape (h, 4)."""
-    return np.stack([history[name].astype(np.float64) for name in GROWTH_COLUMNS], axis=1)
+def _side_by_side(stored: Any, first: bool) -> FloatArray:
+    """Return the columns of a history, NaN where a file has not got one; shape (h, 7)."""
+    history = np.full((len(stored), len(GROWTH_COLUMNS)), np.nan)
+    if first:
+        history[:, : stored.shape[1]] = stored
+        return history
+    for column, name in enumerate(GROWTH_COLUMNS):
+        if name in stored.dtype.names:
+            history[:, column] = stored[name]
+    return history

@@ -36,7 +36,15 @@ FCG_COLUMNS = (
     "solves",
     "wall_s",
 )
-GROWTH_COLUMNS = ("cycles", "crack_length_um", "path_length_um", "broken_interfaces")
+GROWTH_COLUMNS = (
+    "cycles",
+    "crack_length_um",
+    "path_length_um",
+    "broken_interfaces",
+    "k_1_over_delta_k",
+    "k_2_over_delta_k",
+    "k_misfit",
+)
 RATE_COLUMNS = (
     "state",
     "mesh",
@@ -183,7 +191,7 @@ def write_growth(folder: Path, outcome: Outcome) -> Path | None:
 
     Args:
         folder: ``growth`` of the result.
-        outcome: Task with ``history``: cycles, crack length [um], path length [um], broken.
+        outcome: Task with ``history``.
     """
     if outcome.history is None:
         return None
@@ -193,12 +201,17 @@ def write_growth(folder: Path, outcome: Outcome) -> Path | None:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(GROWTH_COLUMNS)
         writer.writerows(
-            (repr(cycles), repr(length), repr(way), int(broken))
-            for cycles, length, way, broken in outcome.history.tolist()
+            (repr(cycles), repr(length), repr(way), int(broken), *map(repr, tip))
+            for cycles, length, way, broken, *tip in outcome.history.tolist()
         )
     return path
 
 
 def read_growth(path: Path) -> FloatArray:
-    """Return the history of a ``growth/*.csv``; columns as ``GROWTH_COLUMNS``, shape (h, 4)."""
-    return np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2, dtype=np.float64)
+    """Return the history of a ``growth/*.csv``; columns as ``GROWTH_COLUMNS``, shape (h, 7).
+
+    Those that files of 0.1.0 have not got are NaN.
+    """
+    columns = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2, dtype=np.float64)
+    missing = np.full((len(columns), len(GROWTH_COLUMNS) - columns.shape[1]), np.nan)
+    return np.hstack([columns, missing])

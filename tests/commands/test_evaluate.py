@@ -34,7 +34,8 @@ def rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(stream))
 
 
-def outcome(history: np.ndarray) -> Outcome:
+def outcome(first_columns: np.ndarray) -> Outcome:
+    history = np.hstack([first_columns, np.full((len(first_columns), 3), np.nan)])
     grown = np.concatenate([[True], np.diff(history[:, 1]) > 0.0])
     rate = float(np.polyfit(*history[grown, :2].T, 1)[0])
     return Outcome(

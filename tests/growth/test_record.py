@@ -9,6 +9,7 @@ from pearlite_petsc.fatigue.outcome import Crack, Outcome, StopReason
 from pearlite_petsc.growth.case import CrackCase
 from pearlite_petsc.growth.prepared import prepare_growth
 from pearlite_petsc.growth.record import Record, new_record, outcome_of
+from pearlite_petsc.mechanics.tip_fields import TipFields
 from pearlite_petsc.scene import Kind
 from tests.scenes import STATES, default_scene
 
@@ -51,7 +52,17 @@ def test_an_arrested_crack_has_no_rate_and_lasts_until_its_last_cycle() -> None:
     found = outcome(grown(), StopReason.ARRESTED, 34.0, 400.0)
     assert math.isnan(found.da_dn)
     assert found.history is not None
-    assert found.history[-1].tolist() == [400.0, 34.0, 9.0, 6.0]
+    assert found.history[-1, :4].tolist() == [400.0, 34.0, 9.0, 6.0]
+
+
+def test_what_is_measured_at_the_tip_belongs_to_the_last_row() -> None:
+    record = grown()
+    assert record.lacks_tip
+    measured = record.with_tip(TipFields(16e3, -2e3, 10.0, 0.01, 90), 20e3)
+    assert not measured.lacks_tip and record.lacks_tip
+    assert measured.history[-1, 4:].tolist() == [0.8, -0.1, 0.01]
+    assert np.isnan(measured.history[:-1, 4:]).all()
+    assert measured.with_break(350.0, 36.0, 11.0, 7).lacks_tip
 
 
 def test_a_crack_shorter_than_a_colony_has_no_tortuosity() -> None:

@@ -207,7 +207,16 @@ def _task(rng: np.random.Generator, state: str, mesh: int, delta_k: float, da_dn
         counters={"iterations": 1800.0, "direct": 0.0},
         wall_s=1.5,
         elements=900,
-        history=np.stack([cycles, x, way, np.arange(41.0)], axis=1),
+        history=np.stack(
+            [
+                cycles,
+                x,
+                way,
+                np.arange(41.0),
+                *np.outer([0.9, 0.1, 0.01], np.linspace(1.0, 1.1, 41)),
+            ],
+            axis=1,
+        ),
         path=np.stack([x, y], axis=1),
         broken_pairs=np.sort(rng.integers(0, 4000, (40, 2)), axis=1),
     )

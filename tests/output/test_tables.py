@@ -74,7 +74,10 @@ def test_a_history_comes_back_bit_for_bit(tmp_path: Path) -> None:
     task = synthetic.outcomes(meshes=1)[0]
     path = tables.write_growth(tmp_path / "growth", task)
     assert path == tmp_path / "growth" / "undeformed_m0_dk8.csv"
-    assert path.read_text().startswith("cycles,crack_length_um,path_length_um,broken_interfaces\n")
+    assert path.read_text().startswith(
+        "cycles,crack_length_um,path_length_um,broken_interfaces,"
+        "k_1_over_delta_k,k_2_over_delta_k,k_misfit\n"
+    )
     np.testing.assert_array_equal(tables.read_growth(path), task.history)
     assert tables.write_growth(tmp_path, dataclasses.replace(task, history=None)) is None
 
