@@ -21,7 +21,7 @@ from pearlite_petsc.growth.record import outcome_of
 from pearlite_petsc.growth.remeshing import needs_another_mesh, next_mesh
 from pearlite_petsc.growth.start import from_checkpoint, from_notch
 from pearlite_petsc.growth.stopping import reason_to_stop, touches_edge
-from pearlite_petsc.growth.tip import measured_tip
+from pearlite_petsc.growth.tip import with_tip
 from pearlite_petsc.laws.law import called
 from pearlite_petsc.scene import Scene, State
 from pearlite_petsc.solver.closing import Closing
@@ -85,11 +85,11 @@ class CrackGrowth(Closing):
                     self._replace_mesh()
                 if not self._damage.is_solved:
                     self._damage = self._damage.solved(self._solve(self._damage.damage))
-                self._measure_tip()
+                self._record = with_tip(self._record, self.case, self._body, self._damage)
                 block = self._next_block()
                 stop = StopReason.ARRESTED if block is None else self._end(block)
                 if stop is not None:
-                    self._measure_tip()
+                    self._record = with_tip(self._record, self.case, self._body, self._damage)
             yield Step(self.cycles, self._body.tracker.tip[0], self._record.solves, stop)
 
     def grown(self) -> Outcome | None:
@@ -152,13 +152,6 @@ class CrackGrowth(Closing):
         record = self._record.now(self.domain.equilibrium.counters, perf_counter() - self._started)
         local = Checkpoint(self._refinement, self._damage, equilibrium, coupling, record)
         return local.gathered(self.domain)
-
-    def _measure_tip(self) -> None:
-        """Enter K at the tip into the record where it changed and is in equilibrium."""
-        if self._record.lacks_tip and self._damage.is_solved:
-            fields = measured_tip(self.case.scene, self.domain, self._body.tracker.tip)
-            if fields is not None:
-                self._record = self._record.with_tip(fields, self.case.delta_k)
 
     def _solve(self, damage: FloatArray) -> FloatArray:
         """Return the jumps of this rank's interfaces at a damage; (k, 3). Collective."""

@@ -4,12 +4,24 @@ import numpy as np
 
 from pearlite_petsc.errors import PearliteError
 from pearlite_petsc.fatigue.crack import Point
+from pearlite_petsc.fatigue.damage_state import DamageState
+from pearlite_petsc.growth.body import CrackedBody
+from pearlite_petsc.growth.case import CrackCase
 from pearlite_petsc.growth.domain import Domain
+from pearlite_petsc.growth.record import Record
 from pearlite_petsc.mechanics.tip_fields import TipFields, fit_tip_fields
 from pearlite_petsc.scene import Scene
 
 RING = (2.0, 6.0)
 """Radii of the ring of elements, in mean spacings of the fine ones."""
+
+
+def with_tip(record: Record, case: CrackCase, body: CrackedBody, damage: DamageState) -> Record:
+    """Return the record with K at the tip, where it lacks it and there is an equilibrium. Collective."""
+    if not (record.lacks_tip and damage.is_solved):
+        return record
+    fields = measured_tip(case.scene, body.domain, body.tracker.tip)
+    return record if fields is None else record.with_tip(fields, case.delta_k)
 
 
 def measured_tip(scene: Scene, domain: Domain, tip: Point) -> TipFields | None:
