@@ -62,7 +62,7 @@ class Worker:
     def _take_tasks(self) -> None:
         group = self._ground.group
         while not group.any_of(self._ground.stopping()):
-            number = on_first_rank(group.comm, self._claim, share=True)
+            number = on_first_rank(group.comm, self._claim, to_all=True)
             if number is None:
                 return
             task = self._tasks[number]

@@ -71,7 +71,7 @@ class Checkpoint:
         return replace(light, refinement=replace(self.refinement, kept=None))
 
     def scattered(self, domain: "Domain") -> "Checkpoint":
-        """Return this rank's share of a checkpoint. Collective.
+        """Return what this rank has of a checkpoint. Collective.
 
         To be called of the whole one on rank 0, of one ``without_arrays`` elsewhere.
         """

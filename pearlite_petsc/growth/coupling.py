@@ -26,7 +26,7 @@ MOST_ADDED = 60
 """Interfaces of one set of factors; then new factors are cheaper."""
 
 PULL_REACH = 0.1
-"""Share of its distance from the window's edge that the tip may move until the pull of the load is
+"""Fraction of its distance from the window's edge that the tip may move until the pull of the load is
 computed anew.
 """
 
@@ -35,7 +35,7 @@ _PULL = 1.0
 
 
 class Coupling:
-    """Knows the mutual compliance of the interfaces at the crack's front. Collective.
+    """Knows the mutual compliance of the interfaces that soften together. Collective.
 
     Attributes:
         compliance: Of what softened since its factors were made; None before the first block.

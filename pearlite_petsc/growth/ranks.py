@@ -11,13 +11,13 @@ from pearlite_petsc.errors import PearliteError
 T = TypeVar("T")
 
 
-def on_first_rank(comm: MPI.Comm, function: Callable[[], T], share: bool = False) -> T | None:
+def on_first_rank(comm: MPI.Comm, function: Callable[[], T], to_all: bool = False) -> T | None:
     """Call a function on rank 0; what it raises is raised on all ranks. Collective.
 
     Args:
         comm: The group.
         function: Not collective.
-        share: Whether all ranks get the result; else the others get None.
+        to_all: Whether all ranks get the result; else the others get None.
     """
     result: T | None = None
     error: Exception | None = None
@@ -31,7 +31,7 @@ def on_first_rank(comm: MPI.Comm, function: Callable[[], T], share: bool = False
         error = error or sent
     if error is not None:
         raise error
-    return comm.bcast(result) if share and comm.size > 1 else result
+    return comm.bcast(result) if to_all and comm.size > 1 else result
 
 
 def _sendable(error: Exception) -> Exception:

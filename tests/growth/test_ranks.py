@@ -7,7 +7,7 @@ from pearlite_petsc.growth.ranks import on_first_rank
 
 def test_the_only_rank_gets_its_own_result_and_error() -> None:
     assert on_first_rank(MPI.COMM_SELF, lambda: 7) == 7
-    assert on_first_rank(MPI.COMM_SELF, lambda: 7, share=True) == 7
+    assert on_first_rank(MPI.COMM_SELF, lambda: 7, to_all=True) == 7
 
     def fails() -> None:
         raise MeshError("no mesh")
@@ -48,5 +48,5 @@ def test_a_result_is_sent_only_where_it_is_to_be_shared() -> None:
     comm = Ranks()
     assert on_first_rank(comm, lambda: 5) == 5  # type: ignore[arg-type]
     assert comm.sent == [None]
-    assert on_first_rank(comm, lambda: 6, share=True) == 6  # type: ignore[arg-type]
+    assert on_first_rank(comm, lambda: 6, to_all=True) == 6  # type: ignore[arg-type]
     assert comm.sent == [None, None, 6]

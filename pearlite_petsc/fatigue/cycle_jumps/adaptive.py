@@ -11,7 +11,7 @@ SHORTEST_BLOCK = 0.01
 """Least fraction of its force that an interface may release in a block."""
 
 LEAST_CHANGE = 1e-3
-"""Share of the tolerance below which a smaller change makes no longer block."""
+"""Fraction of the tolerance below which a smaller change makes no longer block."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ from pearlite_petsc.fatigue.release import next_release
 from pearlite_petsc.fatigue.softening import Softening
 
 ABOUT_TO_BREAK = 0.99
-"""Share of the failure damage that interfaces may come to which were not seen to soften."""
+"""Fraction of the failure damage that interfaces may come to which were not seen to soften."""
 
 MOST_GAIN = 0.1
 """Damage that no other interface may gain in a block at the rate of its start."""

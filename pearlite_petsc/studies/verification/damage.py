@@ -42,7 +42,7 @@ def damage(setting: Setting) -> Section:
         abs(plain.exact_life() / closed_form(plain) - 1.0),
         1e-10,
     )
-    _known_share(section)
+    _known_ratio(section)
     errors = _orders(section)
     _threshold(section)
     _strength(section)
@@ -57,12 +57,12 @@ def damage(setting: Setting) -> Section:
 
 def closed_form(case: SeriesSpring) -> float:
     """Return the life under a normal stress without threshold [cycles]."""
-    return (1.0 - (1.0 - case.share) ** 4) / (4.0 * case.share * case.rate(0.0))
+    return (1.0 - (1.0 - case.stiffness_ratio) ** 4) / (4.0 * case.stiffness_ratio * case.rate(0.0))
 
 
-def _known_share(section: Section) -> None:
+def _known_ratio(section: Section) -> None:
     case = CASES["effective, lamella"]
-    block = Extrapolation(case.known_share(), 1.0, "compliance")
+    block = Extrapolation(case.with_known_ratio(), 1.0, "compliance")
     life = case.exact_life()
     section.below(
         "Compliance curve with g known (table of 33 nodes), one block to failure: error of the life",
@@ -71,8 +71,8 @@ def _known_share(section: Section) -> None:
         2e-3,
     )
     worst = max(
-        abs(float(block.damage_after(share * block.longest)[0]) - case.exact_damage(share * life))
-        for share in (0.1, 0.5, 0.9)
+        abs(float(block.damage_after(part * block.longest)[0]) - case.exact_damage(part * life))
+        for part in (0.1, 0.5, 0.9)
     )
     section.below("The same: largest error of D on the way", LAW, worst, 2e-3)
 
@@ -188,9 +188,9 @@ def _strength(section: Section) -> None:
 def _nominal(section: Section) -> dict[str, list[float]]:
     free = replace(STEEL_STATE, delta_k_th=0.0)
     lives = {}
-    for share in (0.0, 0.7):
-        case = SeriesSpring(6e3, 0.0, share, nominal=True, state=free)
-        lives[f"g = {share:g}"] = [case.jumped_life("euler", step) for step in STEPS]
+    for ratio in (0.0, 0.7):
+        case = SeriesSpring(6e3, 0.0, ratio, nominal=True, state=free)
+        lives[f"g = {ratio:g}"] = [case.jumped_life("euler", step) for step in STEPS]
     growth = {name: -fitted_order(list(STEPS), found) for name, found in lives.items()}
     section.above(
         "Nominal stress, no threshold: the life grows without limit as step^-p (source's blocks), "

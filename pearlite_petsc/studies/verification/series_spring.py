@@ -38,7 +38,7 @@ class SeriesSpring:
 
     Attributes:
         normal, shear: Effective stress ranges at D = 0 [MPa].
-        share: g, the interface's share of the compliance, 0 <= g < 1; 0 is a constant stress.
+        stiffness_ratio: g of the interface, 0 <= g < 1; 0 is a constant stress.
         kind: Kind of the interface.
         nominal: Whether (1 - D) times the effective stress drives the damage.
         failure: D at which it breaks.
@@ -47,7 +47,7 @@ class SeriesSpring:
 
     normal: float
     shear: float
-    share: float
+    stiffness_ratio: float
     kind: Kind = Kind.LAMELLA
     nominal: bool = False
     failure: float = 1.0
@@ -61,7 +61,7 @@ class SeriesSpring:
 
     def drive(self, damage: FloatArray) -> Drive:
         """Return what the program knows after a solve at a damage; (1,)."""
-        rise = 1.0 / (1.0 - self.share * damage)
+        rise = 1.0 / (1.0 - self.stiffness_ratio * damage)
         return Drive(
             damage,
             self.normal * rise,
@@ -76,7 +76,7 @@ class SeriesSpring:
         strength = (
             DAMAGE.cementite_strength if self.kind == Kind.CEMENTITE else self.state.yield_stress
         )
-        stress = (1.0 - damage if self.nominal else 1.0) / (1.0 - self.share * damage)
+        stress = (1.0 - damage if self.nominal else 1.0) / (1.0 - self.stiffness_ratio * damage)
         factor = DAMAGE.c / (strength * DAMAGE.reference_length**1.5 * LENGTH)
         intensities = (stress * value * np.sqrt(LENGTH) for value in (self.normal, self.shear))
         over = [max(value - TIP_FACTOR * self.state.delta_k_th, 0.0) ** 3 for value in intensities]
@@ -122,17 +122,17 @@ class SeriesSpring:
 
     def _softening(self, drive: Drive, delta_d: float) -> Softening:
         """Return the interface and what the spring makes of its compliance, k_0 = 1 MPa/um."""
-        damage, share = drive.damage, np.array([self.share])
+        damage, ratio = drive.damage, np.array([self.stiffness_ratio])
         return Softening(
             damage=damage,
-            limit=next_release(damage, share, self.failure, delta_d),
+            limit=next_release(damage, ratio, self.failure, delta_d),
             jump=np.stack([drive.normal, drive.shear, np.zeros(1)], axis=1),
             constants=np.ones((1, 3)),
             springs=np.ones((1, 2)),
-            compliance=np.eye(3) * share / (1.0 - share * damage),
+            compliance=np.eye(3) * ratio / (1.0 - ratio * damage),
             law=drive.law,
             nominal=self.nominal,
-            load=FollowingLoad(damage, share, np.zeros((1, 2)), np.zeros((1, 3, 2))),
+            load=FollowingLoad(damage, ratio, np.zeros((1, 2)), np.zeros((1, 3, 2))),
         )
 
     def _exponent(self, last: Drive, drive: Drive, known: float) -> float:
@@ -140,10 +140,10 @@ class SeriesSpring:
         found = float(exponent(*rates, drive.damage, last.damage)[0])
         return known if np.isnan(found) else found
 
-    def known_share(self) -> Drive:
+    def with_known_ratio(self) -> Drive:
         """Return the intact drive of a program that has learned g already."""
         drive = self.drive(np.zeros(1))
-        return replace(drive, sensitivity=np.array([self.share]))
+        return replace(drive, sensitivity=np.array([self.stiffness_ratio]))
 
     def exact_damage(self, cycles: float) -> float:
         """Return D after some cycles by an ODE solver at 1e-10."""
