@@ -99,3 +99,15 @@ def checkout(tmp_path: Path) -> Checkout:
         "HOME": os.environ.get("HOME", "/"),
     }
     return made
+
+
+USER = "#!/bin/sh\necho 1000\n"
+"""A stand-in for ``id`` of one who is not root."""
+
+
+def message(done: subprocess.CompletedProcess[str]) -> str:
+    """Return the only line that a refused call prints."""
+    assert done.stdout == ""
+    lines = done.stderr.splitlines()
+    assert len(lines) == 1, done.stderr
+    return lines[0]
