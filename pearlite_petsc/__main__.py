@@ -16,6 +16,7 @@ COMMANDS = {
     "calibrate": "fit the damage constant C to measured growth rates",
     "evaluate": "growth rates of a measured or computed crack from its length over cycles",
     "verify": "compute the claims that the program rests on",
+    "check-law": "hold laws of your own against what every law must fulfil",
     "bench": "measure speed, accuracy and limits of the methods",
 }
 """Every command and what it does. Each is a module of its name (- becomes _) with ``main``."""

@@ -51,7 +51,7 @@ LAYERS: tuple[set[str], ...] = (
 """From bottom to top; parts of one layer do not know each other."""
 
 LAYER = {name: layer for layer, names in enumerate(LAYERS) for name in names}
-OF_STUDIES = {"studies", "verify", "bench"}
+OF_STUDIES = {"studies", "verify", "bench", "check_law"}
 PHYSICS = {"config", "laws", "microstructure", "tessellation", "mechanics", "fatigue"}
 PARALLEL = {"mpi4py", "petsc4py"}
 FILES_AND_FIGURES = {"h5py", "meshio", "matplotlib"}
