@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if experiment is not None:
         # The output folder keeps a copy: what is in it must not hang on a file elsewhere.
         scene = replace(scene, output=replace(scene.output, experiment=KEPT))
-    command = ["pearlite_petsc.run", *given]
+    command = ["pearlite", "run", *given]
     return _start(chosen, scene, experiment, folder, petsc, command, started)
 
 

@@ -1,5 +1,6 @@
 """What a run leaves beside its checkpoints: tables, ``results.h5``, provenance."""
 
+import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -69,7 +70,8 @@ class Products:
         self._tasks = all_tasks(scene)
         self._rows: list[Outcome] = []
         self._seen = np.zeros(len(self._tasks), dtype=np.bool_)
-        self._sessions = _sessions(folder / "provenance.json")
+        self._earlier = _earlier_facts(folder / "provenance.json")
+        self._sessions = list(self._earlier.get("sessions", ()))
         self._table, self._whole = _Turn(), _Turn()
 
     def update(self, finished: BoolArray, now: bool = False) -> None:
@@ -82,6 +84,8 @@ class Products:
         Raises:
             OSError, RuntimeError: A file cannot be written; HDF5 reports a full disk as either.
         """
+        if not self._rows and self.are_complete(int(finished.sum())):
+            return
         for number in np.flatnonzero(finished & ~self._seen).tolist():
             self._seen[number] = True
             kept = self._store.read_finished(self._tasks[number])
@@ -94,6 +98,18 @@ class Products:
                 self._write_fcg(self._rows)
         if self._whole.has_come(count, now):
             self.write_all()
+
+    def are_complete(self, finished: int) -> bool:
+        """Return whether an earlier run left everything as this one would write and draw it.
+
+        Args:
+            finished: Number of finished tasks.
+        """
+        names = ["fcg.csv", "results.h5", "report.html"]
+        if not self._sessions or not all((self._folder / name).is_file() for name in names):
+            return False
+        same = self._sessions[-1].get("finished_tasks") == finished and self._points is None
+        return same and self._earlier.get("scene_text_sha256") == self._scene_digest()
 
     def write_all(self, more: Mapping[str, Any] | None = None) -> None:
         """Write everything.
@@ -123,6 +139,7 @@ class Products:
         facts |= {
             "sessions": [*self._sessions, session],
             "scene_hash": scene_hash(self._scene),
+            "scene_text_sha256": self._scene_digest(),
             "mesh_hashes": hashes,
         }
         self._write_fcg(outcomes)
@@ -132,14 +149,18 @@ class Products:
         write_results(path, scene_to_toml(self._scene), outcomes, facts, self._points)
         write_provenance(self._folder / "provenance.json", facts)
 
+    def _scene_digest(self) -> str:
+        # The scene's hash leaves out what changes no crack, as which figures are wanted.
+        return hashlib.sha256(scene_to_toml(self._scene).encode()).hexdigest()
+
     def _write_fcg(self, outcomes: Sequence[Outcome]) -> None:
         names = [state.name for state in self._scene.states]
         write_fcg(self._folder / "fcg.csv", outcomes, names)
 
 
-def _sessions(path: Path) -> list[dict[str, Any]]:
-    """Return the runs that worked in this folder before."""
+def _earlier_facts(path: Path) -> dict[str, Any]:
+    """Return the provenance that a run before left in this folder, empty if none did."""
     try:
-        return list(json.loads(path.read_text(encoding="utf-8"))["sessions"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return []
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError):
+        return {}

@@ -137,8 +137,8 @@ class Session:
             "busy_share": round(campaign.busy_share, 4),
             "largest_memory_of_a_rank_mb": round(memory, 1),
         }
-        written = True
-        if products is not None:
+        written, complete = True, products is not None and products.are_complete(done + failed)
+        if products is not None and not complete:
             self._screen.stand(Standing("writing the results"))
             try:
                 products.write_all(facts)
@@ -147,9 +147,9 @@ class Session:
                 if stop != NOT_WRITABLE:
                     self._screen.trouble(f"the output cannot be written: {error}")
                 written = False
-        written = self._world.bcast(written)
-        drawn, shown = True, folder
-        if written and not stop and self._scene.output.figures:
+        written, complete = self._world.bcast((written, complete))
+        drawn, shown = True, folder / "report.html" if complete else folder
+        if written and not complete and not stop and self._scene.output.figures:
             drawn = draw_and_report(
                 self._world,
                 folder,

@@ -36,7 +36,7 @@ from pearlite_petsc.output.figures.null_model import draw_null_model
 from pearlite_petsc.output.figures.rates import draw_rates
 from pearlite_petsc.output.figures.style import state_label
 from pearlite_petsc.output.result_folder import Result
-from pearlite_petsc.output.snapshot import Snapshot, read_snapshots
+from pearlite_petsc.output.snapshot import read_snapshots
 from pearlite_petsc.output.tables import MPA_SQRT_UM, delta_k_in_mpa_sqrt_m, task_name
 from pearlite_petsc.output.tables import middle_delta_k as middle_delta_k
 from pearlite_petsc.scene import Scene, State
@@ -178,15 +178,17 @@ def _state_path(result: Result, state: State) -> None:
         for o in own
         if o.mesh_index == index and o.path is not None
     ]
-    last: Snapshot | None = None
-    if stem is not None and stem.startswith(task_name(state.name, index, 0.0)[:-1]):
-        last = read_snapshots(result.folder / "fields", stem, last_only=True)[-1]
+    last, last_delta_k = None, ""
+    for o in own:
+        if stem == task_name(o.state, o.mesh_index, o.delta_k) and o.mesh_index == index:
+            last = read_snapshots(result.folder / "fields", stem, last_only=True)[-1]
+            last_delta_k = f"ΔK = {o.delta_k / MPA_SQRT_UM:g} MPa√m"
     extent = _view(scene, lines)
     labels = _label_map(scene, state, index)
     raster = label_raster(labels.labels, labels.lamella_angle, extent, columns=300)
     notch = (float(lines[0].path[0, 0]), float(lines[0].path[0, 1]))
     path = result.folder / "figures" / f"path_{state.name}"
-    draw_state_path(path, state.name, raster, lines, notch, index, last)
+    draw_state_path(path, state.name, raster, lines, notch, index, last, last_delta_k)
 
 
 def show_path(

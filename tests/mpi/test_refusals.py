@@ -37,9 +37,14 @@ def test_a_finished_run_that_is_resumed_computes_nothing(reference: Path, tmp_pa
     shutil.copytree(reference, tmp_path, dirs_exist_ok=True)
     finished = sorted((tmp_path / "out" / "checkpoint" / "finished").iterdir())
     before = [path.stat().st_mtime_ns for path in finished]
+    made = [tmp_path / "out" / name for name in ("report.html", "provenance.json", "results.h5")]
+    made[0].write_text("drawn by the run before")
+    was = [path.read_bytes() for path in made]
     done = run(1, tmp_path, "--resume")
     assert done.returncode == 0, done.stderr
     assert "6 of 6 tasks done" in done.stdout
+    # Nor does it claim the cracks, and the time that they took, for itself.
+    assert [path.read_bytes() for path in made] == was
     assert [path.stat().st_mtime_ns for path in finished] == before
     assert_same_cracks(tmp_path, reference)
     assert (tmp_path / "out" / "fcg.csv").read_bytes() == (

@@ -86,6 +86,7 @@ def draw_state_path(
     notch: tuple[float, float],
     index: int,
     last: Snapshot | None = None,
+    last_delta_k: str = "",
 ) -> None:
     """Draw a state's crack paths in one mesh's microstructure, and the damage round one of them.
 
@@ -97,6 +98,7 @@ def draw_state_path(
         notch: Tip of the notch [um].
         index: Number of the mesh.
         last: Last step of a crack in that mesh, for the damage; None leaves that picture out.
+        last_delta_k: Delta-K of that crack as text.
     """
     left, right, bottom, top = raster.extent
     panels = 1 if last is None else 2
@@ -108,7 +110,8 @@ def draw_state_path(
         if last is not None:
             show_damage(grid[1], last, deformed=False)
             grid[1].set(xlim=(left, right), ylim=(bottom, top))
-            grid[1].set_title(f"damage after {last.cycles:,.0f} cycles")
+            at = f" at {last_delta_k}" if last_delta_k else ""
+            grid[1].set_title(f"damage after {last.cycles:,.0f} cycles{at}")
             colour_bar(figure, grid[1])
         grid[0].set_xlabel(f"{right - left:.0f} µm wide; {content}")
 

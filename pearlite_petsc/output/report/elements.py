@@ -12,6 +12,9 @@ LARGE = 250_000
 """Size from which a picture is packed for the page [byte]."""
 
 
+READABLE = 640
+"""Width down to which a picture may shrink on a narrow screen [CSS pixel]."""
+
 CSS_PIXELS = 2 / 3
 """Of the page for one of a picture, so that the text of all pictures has one size."""
 
@@ -55,8 +58,16 @@ def _cell(tag: str, text: str, place: int, numbers_from: int) -> str:
     return f"<{tag}{chosen}>{escape(text)}</{tag}>"
 
 
-def picture(path: Path, caption: str) -> str:
-    """Return a PNG, inlined (a large one as WebP), with its caption; empty if it is missing."""
+def picture(path: Path, caption: str, link: str) -> str:
+    """Return a PNG, inlined (a large one as WebP), with its caption; empty if it is missing.
+
+    On a narrow screen it scrolls sideways at a size that can be read.
+
+    Args:
+        path: The file.
+        caption: Text below it.
+        link: Where a click on it leads, the file as the page sees it.
+    """
     if not path.is_file():
         return ""
     kind, data = _compact(path)
@@ -64,7 +75,8 @@ def picture(path: Path, caption: str) -> str:
     text = escape(caption)
     code = base64.b64encode(data).decode("ascii")
     return (
-        f'<figure><img alt="{text}" width="{width}" src="data:image/{kind};base64,{code}">'
+        f'<figure><div class="wide"><a href="{escape(link)}"><img alt="{text}" width="{width}" '
+        f'style="min-width:{min(width, READABLE)}px" src="data:image/{kind};base64,{code}"></a></div>'
         f"<figcaption>{text}</figcaption></figure>"
     )
 

@@ -1,6 +1,5 @@
 """``report.html``: one self-contained page about a result."""
 
-import json
 from collections.abc import Mapping
 from html import escape
 from pathlib import Path
@@ -14,11 +13,11 @@ from pearlite_petsc.output.report.elements import (
     STYLE,
     bullets,
     folded,
-    listing,
     paragraph,
     picture,
     table,
 )
+from pearlite_petsc.output.report.reproduce import how_made, when
 from pearlite_petsc.output.report.validity import task_warnings, validity_warnings, zone_rows
 from pearlite_petsc.output.result_folder import Result
 from pearlite_petsc.output.statistics import rate_curves
@@ -45,7 +44,7 @@ def write_report(
         ("Growth of the cracks", _growth(result)),
         ("Microstructure and mesh", _microstructure(result)),
         ("All tasks", _tasks(result)),
-        ("How this was made", _reproduce(result, scene_text, provenance)),
+        ("How this was made", how_made(result.folder, scene_text, provenance)),
     ]
     links = "".join(f'<a href="#s{i}">{escape(t)}</a>' for i, (t, _) in enumerate(sections))
     body = "".join(
@@ -70,26 +69,24 @@ def _summary(result: Result, provenance: Mapping[str, Any]) -> str:
     levels = ", ".join(f"{delta_k_in_mpa_sqrt_m(value):g}" for value in scene.loading.delta_k)
     window, elements, loading = scene.window, scene.elements, scene.loading
     text = (
-        f"{len(outcomes)} cracks ({len(scene.states)} states × {scene.ensemble.meshes} meshes × "
+        f"{_counted(len(outcomes), 'crack', 'cracks')} "
+        f"({_counted(len(scene.states), 'state', 'states')} × "
+        f"{_counted(scene.ensemble.meshes, 'mesh', 'meshes')} × "
         f"{len(scene.loading.delta_k)} ΔK in the scene), {grown} of them grown by the "
         f"wanted {loading.extension:g} µm. ΔK = {levels} MPa√m; window {window.width:g} × "
         f"{window.height:g} µm, notch {window.notch:g} µm, elements {elements.width:g} × "
         f"{elements.length:g} µm; {scene.material.springs} springs, {scene.damage.law} damage law, "
         f"{loading.kind} load."
     )
-    return paragraph(text, "lead") + paragraph(_when(provenance))
+    return paragraph(text, "lead") + paragraph(when(provenance))
 
 
-def _when(provenance: Mapping[str, Any]) -> str:
-    if "ended" not in provenance:
-        return ""
-    ended = str(provenance["ended"]).replace("T", " ")
-    ranks = provenance.get("ranks", "?")
-    return f"Ended {ended}; {provenance.get('wall_s', 0):.0f} s on {ranks} rank(s)."
+def _counted(number: int, one: str, more: str) -> str:
+    return f"{number} {one if number == 1 else more}"
 
 
 def _figure(result: Result, name: str, caption: str) -> str:
-    return picture(result.folder / "figures" / f"{name}.png", caption)
+    return picture(result.folder / "figures" / f"{name}.png", caption, f"figures/{name}.png")
 
 
 def _rates(result: Result) -> str:
@@ -135,6 +132,11 @@ def _rates(result: Result) -> str:
 
 
 def _conclusions(result: Result) -> str:
+    if len(result.scene.states) == 1:
+        return paragraph(
+            "The source's conclusions compare states of the steel; this scene has one, "
+            f"{result.scene.states[0].name}."
+        )
     rows = [
         [c.statement, c.verdict.value, c.numbers]
         for c in conclusions(result.scene, result.outcomes)
@@ -228,53 +230,3 @@ def _task_row(o: Outcome) -> list[str]:
         str(o.elements),
         f"{o.wall_s:.2f}",
     ]
-
-
-_FACTS = {
-    "program": "Program",
-    "source": "Source",
-    "command": "Command",
-    "host": "Host",
-    "processor": "Processor",
-    "system": "System",
-    "ranks": "Ranks",
-    "seeds": "Seeds",
-    "python": "Python",
-    "libraries": "Libraries",
-    "scene_hash": "Hash of the scene",
-}
-
-
-def _fact(value: Any) -> str:
-    if isinstance(value, Mapping):
-        # How PETSc was configured fills a screen; it is in the whole list.
-        named = {
-            name: part
-            for name, part in value.items()
-            if not name.startswith("petsc_") and part is not None
-        }
-        return ", ".join(f"{name} {part}" for name, part in named.items())
-    return " ".join(map(str, value)) if isinstance(value, list) else str(value)
-
-
-def _reproduce(result: Result, scene_text: str, provenance: Mapping[str, Any]) -> str:
-    rows = [[title, _fact(provenance[key])] for key, title in _FACTS.items() if key in provenance]
-    commands = (
-        "# the same run: scene.resolved.toml lies beside this page\n"
-        "./pearlite.sh run scene.resolved.toml --output runs/again\n"
-        "# this page and its figures from the results alone\n"
-        "./pearlite.sh exec python -m pearlite_petsc.report runs/again\n"
-    )
-    source = (
-        "Method: Davoodi Jooneghani, Six, Sharifi, Poletti, Trummer, Fatigue Crack Growth "
-        "Simulation of R260 Rail Grade Pearlitic Steel Using the Discrete Element Method, Machines "
-        "2025, 13(4), 305, doi 10.3390/machines13040305 (preprint: doi "
-        "10.20944/preprints202503.0141.v1)."
-    )
-    return (
-        listing(commands)
-        + table(["Provenance", ""], rows, numbers_from=2)
-        + folded("All of the provenance", listing(json.dumps(provenance, indent=2, default=str)))
-        + folded("Resolved scene", listing(scene_text))
-        + paragraph(source)
-    )

@@ -32,11 +32,13 @@ class Checker(HTMLParser):
         self.open: list[str] = []
         self.seen: list[str] = []
         self.sources: list[str] = []
+        self.links: list[str] = []
         self.text = ""
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.seen.append(tag)
-        self.sources += [value or "" for name, value in attrs if name in ("src", "href")]
+        self.sources += [value or "" for name, value in attrs if name == "src"]
+        self.links += [value or "" for name, value in attrs if name == "href"]
         if tag not in VOID:
             self.open.append(tag)
 
@@ -86,7 +88,15 @@ def test_report_and_figures_are_rebuilt_from_the_results_alone(
     assert "film_undeformed.gif" in drawn
     page = checked(folder / "report.html")
     assert page.seen.count("img") >= 9
-    assert all(source.startswith(("data:image/", "#")) for source in page.sources)
+    assert all(source.startswith("data:image/") for source in page.sources)
+    # What a picture leads to lies beside the page.
+    pictures = [link for link in page.links if not link.startswith("#")]
+    assert len(pictures) == page.seen.count("img")
+    assert all((folder / link).is_file() for link in pictures)
+    # A scene of one state compares none.
+    assert "1 state × 2 meshes × " in page.text
+    assert "not decided here" not in page.text
+    assert "this scene has one, undeformed" in page.text
     assert "<script>" in page.text
     assert "script" not in page.seen
     assert not list(folder.rglob("*.partial"))
@@ -237,3 +247,24 @@ def test_a_warning_free_result_says_so(tmp_path: Path) -> None:
     tasks = [o for o in synthetic.outcomes(delta_k=(8e3,)) if o.state == "undeformed"]
     write_report(tmp_path / "report.html", Result(tmp_path, scene, tasks), "", {})
     assert "every crack grew as wanted" in checked(tmp_path / "report.html").text
+
+
+def test_the_time_is_that_of_all_runs_in_the_folder(tmp_path: Path) -> None:
+    scene = default_scene(states=(STATES["undeformed"],))
+    first = {"started": "2026-01-01T10:00:00+00:00", "ended": "2026-01-01T10:00:38+00:00"}
+    second = {"started": "2026-01-01T11:00:00+00:00", "ended": "2026-01-01T11:01:22+00:00"}
+    facts = {
+        "command": ["pearlite", "run"],
+        "source": {"commit": "abc", "changed": False},
+        "ended": second["ended"],
+        "wall_s": 82.0,
+        "ranks": 2,
+        "sessions": [first | {"ranks": 4}, second | {"ranks": 2}],
+    }
+    write_report(tmp_path / "report.html", Result(tmp_path, scene, []), "", facts)
+    text = checked(tmp_path / "report.html").text
+    assert "120 s in 2 runs on 4 and 2 rank(s)" in text
+    assert f"./pearlite.sh run {tmp_path}/scene.resolved.toml --output {tmp_path}-again" in text
+    assert "commit abc" in text
+    # The word stands in the whole list, where it has its name.
+    assert text.count("changed") == 1
