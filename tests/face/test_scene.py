@@ -114,3 +114,55 @@ def test_the_text_tells_what_there_is_to_compute() -> None:
         states=["severe_AT"], ensemble={"meshes": 1}, loading={"delta_k_mpa_sqrt_m": [18.0]}
     )
     assert "1 state x 1 mesh x 1 Delta-K = 1 crack," in repr(one)
+
+
+LAW = """
+from pearlite_petsc.fatigue.damage import printed
+from pearlite_petsc.laws import DamageLaw, Limits, number
+
+
+def slow(interfaces, damage, *, share):
+    return printed(interfaces, damage)
+
+
+LAWS = [
+    DamageLaw(
+        name="slow",
+        help="for tests",
+        function=slow,
+        parameters=(number("share", 0.5, "for tests", Limits(0.0, 1.0)),),
+    )
+]
+"""
+
+
+def test_a_law_of_a_file_is_loaded_by_name_and_stays_with_the_scene(tmp_path: Path) -> None:
+    file = tmp_path / "slow.py"
+    file.write_text(LAW)
+    scene = pp.Scene(load=file, damage={"law": "slow", "share": 0.25})
+    assert scene["damage"]["share"] == 0.25 and len(scene["damage"]["law_sha256"]) == 64
+    assert scene.replace(microstructure={"seed": 7})["damage"] == scene["damage"]
+    assert pp.Scene.from_dict(scene.to_dict(), load=[file]) == scene
+    (tmp_path / "scene.toml").write_text(scene.to_toml())
+    assert pp.load_scene(tmp_path / "scene.toml", load=file) == scene
+    with pytest.raises(pp.PearliteError, match=r'"slow" must be one of .*--load FILE\.py'):
+        pp.load_scene(tmp_path / "scene.toml")
+    file.write_text(LAW.replace("printed(interfaces", "0 * printed(interfaces"))
+    with pytest.raises(pp.PearliteError, match=r"of .*slow\.py fails: TypeError"):
+        pp.Scene(load=file, damage={"law": "slow"})
+
+
+def test_results_of_a_law_of_a_file_are_read_without_it(tmp_path: Path) -> None:
+    file = tmp_path / "slow.py"
+    file.write_text(LAW)
+    chosen = {"damage": {"law": "slow", "share": 0.25}, "ensemble": {"meshes": 1}}
+    few = {
+        "states": {"severe_AT": {}},
+        "loading": {"delta_k_mpa_sqrt_m": [18.0], "extension_um": 5},
+    }
+    scene = pp.Scene.from_dict({**TABLES, **chosen, **few}, load=file)
+    found = pp.run(scene, tmp_path / "out")
+    again = pp.read_results(tmp_path / "out")
+    assert list(again.cracks()["cycles"]) == list(found.cracks()["cycles"])
+    assert again.scene["damage"] == scene["damage"]
+    assert again.provenance["laws"][0]["parameters"] == {"share": 0.25}

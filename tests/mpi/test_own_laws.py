@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pearlite_petsc.output.results import read_results
-from tests.mpi.launch import run
+from tests.mpi.launch import outcomes, run
 
 LAW = '''
 """Soft films along prior austenite grains."""
@@ -113,3 +113,33 @@ def test_a_rank_that_cannot_read_the_law_is_told_once_and_nothing_is_written(
     assert done.returncode == 2
     assert done.stderr.count("rank 1 has read another scene or another text of a law") == 1
     assert not (tmp_path / "out").exists()
+
+
+FADING = """
+from dataclasses import replace
+
+from pearlite_petsc.fatigue.damage import objective
+from pearlite_petsc.laws import DamageLaw
+
+
+def fading(interfaces, damage):
+    found = objective(interfaces, damage)
+    return replace(found, factor=found.factor / (1.0 + interfaces.crack_distance / 4.0))
+
+
+LAWS = [DamageLaw(name="fading", help="for tests", function=fading, follows_crack=True)]
+"""
+
+
+def test_two_ranks_a_crack_follow_it_as_one_does(tmp_path: Path) -> None:
+    (tmp_path / "fading.py").write_text(FADING)
+    given = ("--load", "fading.py", "--set", "damage.law=fading", *SHORT, "--overwrite")
+    alone = run(1, tmp_path, *given)
+    assert alone.returncode == 0, alone.stderr
+    one = outcomes(tmp_path)
+    together = run(2, tmp_path, *given, "--ranks-per-task", 2)
+    assert together.returncode == 0, together.stderr
+    for mine, theirs in zip(one, outcomes(tmp_path), strict=True):
+        assert mine.broken_pairs is not None and theirs.broken_pairs is not None
+        assert sorted(map(tuple, mine.broken_pairs)) == sorted(map(tuple, theirs.broken_pairs))
+        assert theirs.da_dn == pytest.approx(mine.da_dn, rel=1e-5)
