@@ -39,6 +39,7 @@ def first_problem(scene: Scene) -> Problem | None:
         _microstructure,
         _window,
         _elements,
+        _room,
         _laws,
         _damage,
         _loading,
@@ -73,12 +74,19 @@ def _microstructure(scene: Scene) -> Problem | None:
 
 
 def _window(scene: Scene) -> Problem | None:
-    window, extension = scene.window, scene.loading.extension
+    window = scene.window
     if not window.notch < window.width:
         return "window", "notch_um", f"= {window.notch:g} must be below width_um = {window.width:g}"
-    if not window.notch + extension < window.width:
+    return None
+
+
+def _room(scene: Scene) -> Problem | None:
+    """Refuse what could end nowhere but at the boundary, which lies an element before the edge."""
+    window, extension = scene.window, scene.loading.extension
+    edge = window.width - max(scene.elements.width, scene.elements.length)
+    if not window.notch + extension < edge:
         end = f"notch_um + extension_um = {window.notch + extension:g}"
-        limit = f"[window] width_um = {window.width:g}"
+        limit = f"[window] width_um = {window.width:g} less one element = {edge:g}"
         return "loading", "extension_um", f"= {extension:g} does not fit: {end}, {limit}"
     return None
 
@@ -140,12 +148,17 @@ def _size(scene: Scene) -> Problem | None:
         return "elements", "width_um", f"= {scene.elements.width:g} {text}"
     # The unsheared window is a parallelogram, tessellated with what surrounds it.
     window, colony = scene.window, scene.microstructure.colony
-    most_sheared = max(state.shear_strain for state in scene.states)
-    box = window.width * window.height + most_sheared * max(window.width, window.height) ** 2
-    colonies = box / (math.pi / 4 * colony**2)
-    if colonies > MOST_COLONIES:
-        text = f"asks for about {colonies:.2g} colonies before shear, at most {MOST_COLONIES:.0e}"
-        return "microstructure", "colony_um", f"= {colony:g} {text}"
+    most_sheared = max(scene.states, key=lambda state: state.shear_strain)
+    plain = window.width * window.height
+    box = plain + most_sheared.shear_strain * max(window.width, window.height) ** 2
+    one = math.pi / 4 * colony**2
+    if box / one > MOST_COLONIES:
+        text = f"asks for about {box / one:.2g} colonies before shear, at most {MOST_COLONIES:.0e}"
+        if plain / one > MOST_COLONIES / 10:
+            return "microstructure", "colony_um", f"= {colony:g} {text}"
+        table = f"states.{most_sheared.name}"
+        window_text = f"in a window of {window.width:g} x {window.height:g} um"
+        return table, "shear_strain", f"= {most_sheared.shear_strain:g} {window_text} {text}"
     tasks = len(scene.states) * scene.ensemble.meshes * len(scene.loading.delta_k)
     if tasks > MOST_TASKS:
         text = f"asks for {tasks} tasks, at most {MOST_TASKS:.0e}"

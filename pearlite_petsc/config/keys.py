@@ -208,7 +208,7 @@ def _loading() -> Table:
                 "load_ratio",
                 0.1,
                 "R, smallest over largest load",
-                Limits(0.0, 1.0, open_high=True),
+                Limits(0.0, 0.95),
             ),
             number("extension", 60.0, "wanted growth of the crack, um", LENGTH, "um"),
         ),

@@ -60,7 +60,7 @@ def method_warnings(scene: Scene) -> list[str]:
             f"{longer:g} um: below {SMALLEST_WINDOW * longer:g} um da/dN is too high by more than "
             "10 % (15 elements across: 30 %, 30: 13 %)."
         )
-    return [*warnings, *_load_warnings(scene, longer)]
+    return [*warnings, *_load_warnings(scene, longer), *_threshold_warnings(scene)]
 
 
 def _load_warnings(scene: Scene, longer: float) -> list[str]:
@@ -82,4 +82,18 @@ def _load_warnings(scene: Scene, longer: float) -> list[str]:
             f"{SHORTEST_NOTCH * longer:g} um the singular load of the tip lies on the window's edge; "
             "cracks fail there, or grow at a rate of the edge."
         )
+    return warnings
+
+
+def _threshold_warnings(scene: Scene) -> list[str]:
+    """Return one sentence for each state that is loaded at or below its threshold."""
+    warnings = []
+    for state in scene.states:
+        low = [value for value in scene.loading.delta_k if value <= state.delta_k_th]
+        if low:
+            shown = ", ".join(f"{value / MPA_SQRT_M:g}" for value in low)
+            warnings.append(
+                f"Delta-K = {shown} MPa sqrt(m) is not above delta_k_th_mpa_sqrt_m = "
+                f"{state.delta_k_th / MPA_SQRT_M:g} of {state.name}: expect cracks that arrest."
+            )
     return warnings

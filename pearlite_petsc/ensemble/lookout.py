@@ -59,9 +59,9 @@ class Lookout:
     def show_the_end(self) -> None:
         """Show that no crack grows any more."""
         if self._progress is not None:
-            self._progress.show(self._board.status(), self._board.values(), last=True)
+            self._show_and_keep(self._progress, last=True)
 
-    def _show_and_keep(self, progress: Progress) -> None:
+    def _show_and_keep(self, progress: Progress, last: bool = False) -> None:
         """Write what is finished, and show news; all is written as soon as a stop is wanted."""
         status = self._board.status()
         if self._products is not None:
@@ -72,5 +72,7 @@ class Lookout:
                 # HDF5 reports a full disk as either.
                 self._products = None
                 tell_not_writable(self._board, self._screen, error)
-        if progress.is_due():
-            progress.show(status, self._board.values())
+        if last or progress.is_due():
+            products = self._products
+            remark = (lambda number: "") if products is None else products.remark
+            progress.show(status, self._board.values(), last, remark)

@@ -16,6 +16,7 @@ from pearlite_petsc.config import scene_hash, scene_to_toml
 from pearlite_petsc.ensemble.store import Store
 from pearlite_petsc.ensemble.tasks import all_tasks
 from pearlite_petsc.fatigue.outcome import Outcome
+from pearlite_petsc.output.doubts import doubts
 from pearlite_petsc.output.experiment import Experiment
 from pearlite_petsc.output.provenance import write_provenance
 from pearlite_petsc.output.results import write_results
@@ -68,7 +69,7 @@ class Products:
         self._points = None if experiment is None else experiment.text
         self._store = Store(folder / "checkpoint", scene_hash(scene))
         self._tasks = all_tasks(scene)
-        self._rows: list[Outcome] = []
+        self._rows: dict[int, Outcome] = {}
         self._seen = np.zeros(len(self._tasks), dtype=np.bool_)
         self._earlier = _earlier_facts(folder / "provenance.json")
         self._sessions = list(self._earlier.get("sessions", ()))
@@ -91,11 +92,11 @@ class Products:
             kept = self._store.read_finished(self._tasks[number])
             if kept is not None:
                 row = replace(kept[0], history=None, path=None, broken_pairs=None)
-                self._rows.append(row)
+                self._rows[number] = row
         count = len(self._rows)
         if self._table.has_come(count, now):
             with self._table.taken(count):
-                self._write_fcg(self._rows)
+                self._write_fcg(list(self._rows.values()))
         if self._whole.has_come(count, now):
             self.write_all()
 
@@ -110,6 +111,14 @@ class Products:
             return False
         same = self._sessions[-1].get("finished_tasks") == finished and self._points is None
         return same and self._earlier.get("scene_text_sha256") == self._scene_digest()
+
+    def remark(self, number: int) -> str:
+        """Return why a finished task failed or is doubtful in one line, empty if it is neither."""
+        outcome = self._rows.get(number)
+        if outcome is None:
+            return ""
+        first = outcome.message.partition("\n")[0]
+        return "; ".join([*([first] if first else []), *doubts(outcome, self._scene.elements)])
 
     def write_all(self, more: Mapping[str, Any] | None = None) -> None:
         """Write everything.

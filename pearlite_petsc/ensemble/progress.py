@@ -2,7 +2,7 @@
 
 import json
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -53,13 +53,20 @@ class Progress:
         """Return whether it is time to look at the board again."""
         return monotonic() - self._looked >= LOOK_SECONDS
 
-    def show(self, status: IntArray, values: FloatArray, last: bool = False) -> None:
+    def show(
+        self,
+        status: IntArray,
+        values: FloatArray,
+        last: bool = False,
+        remark: Callable[[int], str] = lambda number: "",
+    ) -> None:
         """Show what is new.
 
         Args:
             status: ``Board.status``; (n,).
             values: ``Board.values``; (n, columns).
             last: Whether the run ends here.
+            remark: Returns what is to be said of a finished task beside its line, "" for nothing.
         """
         self._looked = now = monotonic()
         running = status == Status.RUNNING
@@ -78,6 +85,9 @@ class Progress:
             tail = f"running {active}  failed {failed}  {clock(left)} left"
             self._screen.line(f"{line}  {tail}")
             _log.info("%s", line)
+            text = remark(int(number))
+            if text:
+                self._screen.trouble(f"{self._tasks[number].name}: {text}")
         if not last:
             total = len(self._tasks)
             self._screen.stand(Standing("growing", count, active, failed, total, left))

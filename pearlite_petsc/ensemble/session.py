@@ -29,6 +29,7 @@ from pearlite_petsc.output.experiment import Experiment
 from pearlite_petsc.output.provenance import provenance
 from pearlite_petsc.scene import Scene
 from pearlite_petsc.solver.petsc_build import petsc_facts
+from pearlite_petsc.solver.unused import unused_options, unused_text
 
 _log = logging.getLogger(__name__)
 
@@ -78,6 +79,7 @@ class Session:
         self._world, self._scene, self._settings = world, scene, settings
         self._started, self._request, self._screen = started, request, screen
         self._first = world.rank == 0
+        self._before = 0
         self._began = datetime.now().astimezone()
 
     def run(self) -> int:
@@ -107,6 +109,7 @@ class Session:
                 world, lambda: look_back(settings.folder, scene, settings.retry_failed)
             )
             if found is not None and output is not None:
+                self._before = sum(s in (Status.DONE, Status.FAILED) for s in found.status)
                 self._announce(found, output.resumed)
             products = None
             if self._first:
@@ -160,6 +163,8 @@ class Session:
             )
             stop = self._world.allreduce(self._request.code(), MPI.MAX)
             shown = folder / "report.html"
+        has_grown = self._world.bcast(done + failed > self._before)
+        unused = self._unused_options() if has_grown else []
         summary = f"{done} done, {failed} failed, {missing} missing"
         if stop:
             summary = f"stopped ({describe(stop)}): {summary}; --resume goes on"
@@ -168,7 +173,18 @@ class Session:
             return ExitStatus.BROKEN
         if stop:
             return ExitStatus.INTERRUPTED
+        if unused:
+            return ExitStatus.BROKEN
         return ExitStatus.SOME_FAILED if failed else ExitStatus.DONE
+
+    def _unused_options(self) -> list[str]:
+        """Name the PETSc options that nothing used on any rank. Collective."""
+        every = self._world.allgather(unused_options())
+        names = [name for name in every[0] if all(name in other for other in every)]
+        if names and self._first:
+            self._screen.trouble(unused_text(names))
+            _log.error("%s", unused_text(names))
+        return names
 
     def _announce(self, found: Found, resumed: bool) -> None:
         status = np.array(found.status)

@@ -82,7 +82,11 @@ def message_of_file(path: Path | str) -> str:
         ("[ensemble]\nmeshes = 2.0", "[ensemble] meshes = 2.0 is not a whole number"),
         ("[ensemble]\nmeshes = true", "[ensemble] meshes = true is not a whole number"),
         ("[microstructure]\nseed = -1", "[microstructure] seed = -1 must be at least 0"),
-        ("[loading]\nload_ratio = 1", "load_ratio = 1 must be at least 0 and below 1"),
+        ("[loading]\nload_ratio = 1", "load_ratio = 1 must be at least 0 and at most 0.95"),
+        (
+            "[loading]\nload_ratio = 0.9999999999999999",
+            "load_ratio = 0.9999999999999999 must be at least 0 and at most 0.95",
+        ),
         ("[loading]\ndelta_k_mpa_sqrt_m = 8", "delta_k_mpa_sqrt_m = 8 must be a list of numbers"),
         ("[loading]\ndelta_k_mpa_sqrt_m = []", "delta_k_mpa_sqrt_m = [] is empty"),
         ("[loading]\ndelta_k_mpa_sqrt_m = [8, -1]", "value 2 = -1 must be at least 0.001"),
@@ -133,8 +137,19 @@ def test_a_bad_key_or_value_is_named(text: str, expected: str) -> None:
         ),
         (
             ["microstructure.colony_um=2.5", "states.severe_AT.shear_strain=1000"],
-            "asks for about 8.2e+06 colonies before shear, at most 5e+06",
+            "[states.severe_AT] shear_strain = 1000 in a window of 200 x 200 um asks for about "
+            "8.2e+06 colonies before shear, at most 5e+06",
         ),
+        (
+            ["microstructure.colony_um=2", "window.width_um=5000", "window.height_um=5000"],
+            "[microstructure] colony_um = 2 asks for about",
+        ),
+        (
+            ["window.notch_um=187.9", "loading.extension_um=12"],
+            "[loading] extension_um = 12 does not fit: notch_um + extension_um = 199.9, [window] "
+            "width_um = 200 less one element = 196",
+        ),
+        (["window.notch_um=199", "loading.extension_um=0.5"], "less one element = 196"),
         (["ensemble.meshes=100000"], "meshes = 100000 asks for 2000000 tasks, at most 1e+06"),
     ],
 )

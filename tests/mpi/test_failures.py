@@ -13,6 +13,7 @@ GOOD = {"undeformed", "moderate_TA"}
 def failed_as_one(folder: Path, done: subprocess.CompletedProcess[str], error: str) -> None:
     assert done.returncode == 3, done.stderr
     assert "4 done, 2 failed, 0 missing" in done.stdout
+    assert f"severe_AT_m0_dk18: {error}\n" in done.stderr
     for outcome in outcomes(folder):
         if outcome.state in GOOD:
             assert outcome.stop_reason.value == "grown"

@@ -152,7 +152,7 @@ def _conclusions(result: Result) -> str:
 
 
 def _warnings(result: Result) -> str:
-    tasks = task_warnings(result.outcomes)
+    tasks = task_warnings(result.outcomes, result.scene.elements)
     texts = [*method_warnings(result.scene), *validity_warnings(result.scene)]
     content = bullets(texts, "warning") if texts else ""
     for reason, names in tasks.items():

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
 from pearlite_petsc.mechanics.lefm import remote_stress, reversed_plastic_zone
+from pearlite_petsc.output.doubts import doubts
 from pearlite_petsc.output.tables import delta_k_in_mpa_sqrt_m, task_name
-from pearlite_petsc.scene import Scene, State
+from pearlite_petsc.scene import Elements, Scene, State
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,14 +114,21 @@ _FALLBACKS = {
 }
 
 
-def task_warnings(outcomes: Sequence[Outcome]) -> dict[str, list[str]]:
-    """Return the tasks that did not end as wanted, by reason, and those that needed a fallback."""
+def task_warnings(outcomes: Sequence[Outcome], elements: Elements) -> dict[str, list[str]]:
+    """Return the tasks that are not as wanted, by reason: ends, doubts, fallbacks.
+
+    Args:
+        outcomes: The tasks.
+        elements: Their size [um].
+    """
     found: dict[str, list[str]] = {}
     for o in outcomes:
         name = task_name(o.state, o.mesh_index, o.delta_k)
         if o.stop_reason in _REASONS:
             text = f"{name}: {o.message.splitlines()[0]}" if o.message else name
             found.setdefault(_REASONS[o.stop_reason], []).append(text)
+        for doubt in doubts(o, elements):
+            found.setdefault(doubt, []).append(f"{name} ({o.cycles:.3g} cycles)")
         for counter, meaning in _FALLBACKS.items():
             count = o.counters.get(counter, 0.0)
             if count > 0.0:

@@ -4,9 +4,12 @@ import math
 from numpy.testing import assert_allclose
 
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.output.doubts import FAST, SHORT_LIFE
 from pearlite_petsc.output.report.validity import task_warnings, validity_warnings, zone_rows
 from tests.output import synthetic
 from tests.scenes import STATES, default_scene
+
+ELEMENTS = default_scene().elements
 
 
 def test_the_plastic_zone_at_20_in_undeformed_pearlite_is_144_um() -> None:
@@ -42,13 +45,24 @@ def test_a_scene_within_all_limits_has_no_warning() -> None:
 
 
 def test_tasks_that_ended_otherwise_or_fell_back_are_named_with_the_reason() -> None:
-    good = synthetic.outcomes(meshes=1)
-    assert task_warnings(good) == {}
+    good = synthetic.outcomes(delta_k=(8e3,), meshes=1)
+    assert task_warnings(good, ELEMENTS) == {}
     failed = Outcome("severe_AT", 1, 8e3, StopReason.FAILED, message="no equilibrium")
     arrested = Outcome("undeformed", 2, 8e3, StopReason.ARRESTED, da_dn=math.nan)
     fallback = dataclasses.replace(good[0], counters={"direct": 3.0})
-    found = task_warnings([failed, arrested, fallback])
+    found = task_warnings([failed, arrested, fallback], ELEMENTS)
     assert found["failed"] == ["severe_AT_m1_dk8: no equilibrium"]
     names = [name for names in found.values() for name in names]
     assert "undeformed_m2_dk8" in names
     assert "undeformed_m0_dk8 (3)" in names
+
+
+def test_cracks_faster_than_fatigue_are_named() -> None:
+    task = synthetic.outcomes(meshes=1)[0]
+    short = dataclasses.replace(task, cycles=0.0024, da_dn=25e3)
+    fast = dataclasses.replace(task, mesh_index=1, cycles=25.0, da_dn=2.5)
+    fine = dataclasses.replace(task, mesh_index=2, cycles=25.0, da_dn=1.9)
+    assert task_warnings([short, fast, fine], ELEMENTS) == {
+        SHORT_LIFE: ["undeformed_m0_dk8 (0.0024 cycles)"],
+        FAST: ["undeformed_m1_dk8 (25 cycles)"],
+    }
