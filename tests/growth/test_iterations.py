@@ -25,7 +25,7 @@ def iterations_along_a_crack(monkeypatch: pytest.MonkeyPatch) -> tuple[list[int]
 
     monkeypatch.setattr(Equilibrium, "_solve_iterative", counted)
     state, index = STATES[HARD[0]], HARD[1]
-    scene = load_scene_text("", "test", ["solver.method=iterative"])
+    scene = load_scene_text("", "test", ["solver.method=iterative", "elements.kinds=labels"])
     prepared = prepare_growth(scene, state, index)
     outcome = CrackGrowth(MPI.COMM_SELF, scene, state, 18e3, prepared).grown()
     assert outcome is not None

@@ -241,7 +241,7 @@ def test_in_one_colony_both_rules_agree() -> None:
 
 
 def test_the_rule_changes_kinds_and_nothing_else() -> None:
-    scene = default_scene(window=WINDOW)
+    scene = default_scene(window=WINDOW, elements={"kinds": "labels"})
     old = tessellate(prepare(scene, STATES["moderate_AT"], 0), initial_zone(scene))
     cut = replace(scene, elements=replace(scene.elements, kinds="cut"))
     new = tessellate(prepare(cut, STATES["moderate_AT"], 0), initial_zone(cut))

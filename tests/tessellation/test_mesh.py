@@ -170,7 +170,8 @@ def test_nuclei_to_keep_are_kept_with_their_mirror_images() -> None:
 
 
 def test_kinds_follow_the_labels_and_the_direction_of_the_lamellae() -> None:
-    m = uniform("moderate_TA")
+    by_labels = default_scene(elements={"kinds": "labels"})
+    m = tessellate(prepare(by_labels, STATES["moderate_TA"], 0), EVERYWHERE)
     i, j = m.interface_elements.T
     kind = m.kind
     for name, label in (
