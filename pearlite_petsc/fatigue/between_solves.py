@@ -28,14 +28,14 @@ def damage_at_end(
         D, not yet limited to the failure damage; (k,).
     """
     at_end = Drive(
-        drive.damage, normal_end, shear_end, drive.law, drive.failure_damage, drive.nominal
+        drive.damage, normal_end, shear_end, drive.rates, drive.failure_damage, drive.nominal
     )
     most = np.maximum(drive.rate_at(drive.damage), at_end.rate_at(drive.damage))
     active: IntArray = np.flatnonzero(most * course.cycles[-1] > _PASSIVE)
     path = drive.of(active)
     normal = path.normal + (normal_end[active, None] - path.normal) * course.released
     shear = path.shear + (shear_end[active, None] - path.shear) * course.released
-    blend = Drive(path.damage, normal, shear, path.law, drive.failure_damage, drive.nominal)
+    blend = Drive(path.damage, normal, shear, path.rates, drive.failure_damage, drive.nominal)
     rate = blend.rate_at(path.damage)
     damage = drive.damage.copy()
     # Not a matrix product: its rounding depends on the number of rows, so that two ranks would

@@ -1,4 +1,4 @@
-"""What drives the damage of the interfaces: their stresses and their law."""
+"""What drives the damage of the interfaces: their stresses and their rates."""
 
 from dataclasses import dataclass, replace
 
@@ -15,7 +15,7 @@ class Drive:
     Attributes:
         damage: D, below the failure damage; (k,).
         normal, shear: Effective stress ranges k_0 jump [MPa], 0 for interfaces that are broken; (k,).
-        law: Their rate constants.
+        rates: Their rate constants.
         failure_damage: D at which an interface breaks.
         nominal: Whether the law takes (1 - D) times the effective stress.
         sensitivity: lambda (``exponential``) or g (``compliance``) of each; (k,), or None.
@@ -24,18 +24,18 @@ class Drive:
     damage: FloatArray
     normal: FloatArray
     shear: FloatArray
-    law: RateConstants
+    rates: RateConstants
     failure_damage: float
     nominal: bool
     sensitivity: FloatArray | None = None
 
     def of(self, chosen: IntArray) -> "Drive":
         """Return the drive of some interfaces as columns: arrays of shape (c, 1)."""
-        law = self.law.columns(chosen)
+        rates = self.rates.columns(chosen)
         arrays = (self.damage, self.normal, self.shear)
         damage, normal, shear = (array[chosen, None] for array in arrays)
         sensitivity = None if self.sensitivity is None else self.sensitivity[chosen, None]
-        return Drive(damage, normal, shear, law, self.failure_damage, self.nominal, sensitivity)
+        return Drive(damage, normal, shear, rates, self.failure_damage, self.nominal, sensitivity)
 
     def with_sensitivity(self, sensitivity: FloatArray) -> "Drive":
         """Return the drive with lambda or g of each interface."""
@@ -44,7 +44,7 @@ class Drive:
     def rate_at(self, damage: FloatArray) -> FloatArray:
         """Return dD/dN [1/cycle] under the drive's effective stresses at another damage."""
         carried = 1.0 - damage if self.nominal else 1.0
-        return self.law.rate(self.normal * carried, self.shear * carried)
+        return self.rates.rate(self.normal * carried, self.shear * carried)
 
     def rate_along(self, damage: FloatArray, model: str) -> FloatArray:
         """Return dD/dN [1/cycle] by a rate model (``RateModel``) that starts at the drive's damage."""

@@ -94,7 +94,7 @@ class Softening:
         constants: k_n l, k_t l, k_n l^3/12 of the intact springs; (a, 3).
         springs: k_n and k_t [MPa/um]; (a, 2).
         compliance: C, row and column 3 i + c for jump c of interface i; (3 a, 3 a).
-        law: Rate constants.
+        rates: Rate constants.
         nominal: Whether (1 - D) times the effective stress drives the damage.
         load: How the load follows.
         correction: What a solve found, None before the first and where it found nothing.
@@ -106,7 +106,7 @@ class Softening:
     constants: FloatArray
     springs: FloatArray
     compliance: FloatArray
-    law: RateConstants
+    rates: RateConstants
     nominal: bool
     load: FollowingLoad
     correction: Correction | None = None
@@ -139,7 +139,7 @@ class Softening:
         stress = self.springs * jump[:, :2]
         if self.nominal:
             stress *= (1.0 - damage)[:, None]
-        return self.law.rate(stress[:, 0], stress[:, 1])
+        return self.rates.rate(stress[:, 0], stress[:, 1])
 
     def corrected(self, damage: FloatArray, jump: FloatArray) -> "Softening":
         """Return the same interfaces with what a solve at the end of a block found.

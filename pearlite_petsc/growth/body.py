@@ -61,7 +61,7 @@ class CrackedBody:
             damage=damage.damage,
             jump=damage.jump,
             stiffness=self.domain.subdomain.stiffness,
-            law=self._rates.constants,
+            rates=self._rates.constants,
             failure_damage=constants.failure_damage if nominal else 1.0,
             nominal=nominal,
             stiffness_ratio=self._stiffness_ratio,

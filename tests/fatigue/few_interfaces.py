@@ -38,7 +38,7 @@ def softening(**changes: Any) -> Softening:
         "constants": np.full((COUNT, 3), 1.2),
         "springs": np.full((COUNT, 2), 1000.0),
         "compliance": COMPLIANCE,
-        "law": RateConstants(np.full(COUNT, 1e-12), np.full(COUNT, 100.0), 0.3),
+        "rates": RateConstants(np.full(COUNT, 1e-12), np.full(COUNT, 100.0), 0.3),
         "nominal": False,
         "load": following(DAMAGE, 0.4),
     }
@@ -54,6 +54,6 @@ def one_in_series(ratio: float) -> Softening:
         constants=np.ones((1, 3)),
         springs=np.full((1, 2), 1000.0),
         compliance=ratio * np.eye(3),
-        law=RateConstants(np.array([1e-12]), np.zeros(1), 0.3),
+        rates=RateConstants(np.array([1e-12]), np.zeros(1), 0.3),
         load=following(np.zeros(1), ratio),
     )

@@ -12,8 +12,8 @@ COURSE = Course(CYCLES, np.zeros((4, 1)), np.array([0.0, 0.2, 0.6, 1.0]), 0)
 
 def drive_of(damage: list[float], normal: list[float], threshold: float = 0.0) -> Drive:
     count = len(damage)
-    law = RateConstants(np.full(count, 1e-12), np.full(count, threshold), 0.3)
-    return Drive(np.array(damage), np.array(normal), np.zeros(count), law, 1.0, False)
+    rates = RateConstants(np.full(count, 1e-12), np.full(count, threshold), 0.3)
+    return Drive(np.array(damage), np.array(normal), np.zeros(count), rates, 1.0, False)
 
 
 def test_an_interface_between_two_equal_stresses_grows_by_rate_times_cycles() -> None:

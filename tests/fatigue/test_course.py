@@ -45,8 +45,8 @@ def test_a_block_ends_in_time_where_it_must_not_go_on() -> None:
 
 
 def test_nothing_goes_on_below_the_threshold() -> None:
-    law = RateConstants(np.full(COUNT, 1e-12), np.full(COUNT, 1e4), 0.3)
-    course = course_of(softening(law=law))
+    rates = RateConstants(np.full(COUNT, 1e-12), np.full(COUNT, 1e4), 0.3)
+    course = course_of(softening(rates=rates))
     assert course.first is None and course.cycles.tolist() == [0.0]
 
 

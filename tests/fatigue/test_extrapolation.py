@@ -22,12 +22,12 @@ def drive_of(
     nominal: bool = False,
 ) -> Drive:
     count = len(damage)
-    law = RateConstants(np.full(count, 1e-12), np.full(count, threshold), 0.3)
+    rates = RateConstants(np.full(count, 1e-12), np.full(count, threshold), 0.3)
     return Drive(
         np.array(damage, dtype=float),
         np.array(normal, dtype=float),
         np.zeros(count),
-        law,
+        rates,
         failure,
         nominal,
         None if sensitivity is None else np.array(sensitivity, dtype=float),
@@ -123,8 +123,8 @@ def test_a_nominal_interface_breaks_at_its_failure_damage() -> None:
 @pytest.mark.parametrize("model", MODELS)
 def test_a_larger_constant_only_scales_the_cycles(model: RateModel) -> None:
     drive = drive_of([0.0, 0.3, 0.6], [900.0, 1100.0, 700.0], [0.5, 0.4, 0.8])
-    law = RateConstants(2 * drive.law.factor, drive.law.threshold, drive.law.beta)
-    faster = Drive(drive.damage, drive.normal, drive.shear, law, 1.0, False, drive.sensitivity)
+    rates = RateConstants(2 * drive.rates.factor, drive.rates.threshold, drive.rates.beta)
+    faster = Drive(drive.damage, drive.normal, drive.shear, rates, 1.0, False, drive.sensitivity)
     one, two = Extrapolation(drive, 0.5, model), Extrapolation(faster, 0.5, model)
     assert two.longest == pytest.approx(one.longest / 2, rel=1e-14)
     assert np.allclose(

@@ -72,6 +72,13 @@ FAULTS: dict[str, tuple[Callable[..., Any], str]] = {
         "follows_crack = False",
     ),
     "no threshold": (with_rate(creeping), "Nothing up to the threshold"),
+    "not elementwise": (
+        lambda i, d: replace(
+            objective(i, d),
+            component_rate=lambda s, t, f: f * np.maximum(s - t, 0.0) ** 3 * i.length,
+        ),
+        "The rate of some interfaces",
+    ),
     "not monotone": (with_rate(saturating), "More stress is never less damage"),
     "square of C": (
         lambda i, d: replace(objective(i, d), factor=1e9 * d.c**2 / (i.strength * i.length)),
@@ -162,8 +169,8 @@ def test_the_command_prints_a_line_a_claim_and_ends_with_1_if_one_fails(
     assert main([str(file), "--set", "damage.film_strength=0.25"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == '[damage] law = "soft_film"'
-    assert lines[-1] == f"10 claims, 0 do not hold: {file}"
-    assert sum(line.startswith("  pass  ") for line in lines) == 10
+    assert lines[-1] == f"11 claims, 0 do not hold: {file}"
+    assert sum(line.startswith("  pass  ") for line in lines) == 11
     file.write_text(file.read_text().replace("return objective(", "return 0.5 and objective("))
     file.write_text(file.read_text().replace("help=", "follows_crack=True, help="))
     assert main([str(file)]) == 1

@@ -78,7 +78,7 @@ class Situation:
         damage: D; (k,).
         jump: Normal, tangential and rotational jump in equilibrium [um, um, rad]; (k, 3).
         stiffness: Intact springs.
-        law: Rate constants of the interfaces.
+        rates: Rate constants of the interfaces.
         failure_damage: D at which an interface breaks.
         nominal: Whether the law takes (1 - D) times the effective stress.
         stiffness_ratio: g of each interface; (k,).
@@ -90,7 +90,7 @@ class Situation:
     damage: FloatArray
     jump: FloatArray
     stiffness: Stiffness
-    law: RateConstants
+    rates: RateConstants
     failure_damage: float
     nominal: bool
     stiffness_ratio: FloatArray
@@ -107,7 +107,7 @@ class Situation:
     def drive_at(self, damage: FloatArray, jump: FloatArray) -> Drive:
         """Return what drives the interfaces at another damage (k,) and the jumps there (k, 3)."""
         normal, shear = (stress * (damage < 1.0) for stress in self.stresses(jump))
-        return Drive(damage, normal, shear, self.law, self.failure_damage, self.nominal)
+        return Drive(damage, normal, shear, self.rates, self.failure_damage, self.nominal)
 
     def stresses(self, jump: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return effective normal and shear stress k_0 jump [MPa], broken or not; (k,) each."""

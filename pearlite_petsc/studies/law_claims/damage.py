@@ -74,6 +74,11 @@ def damage_claims(section: Section, scene: Scene) -> None:
         "results do not depend on the number of ranks",
         lambda i, c: _is_local(i, c, damage),
     )
+    each(
+        "The rate of some interfaces is that of all: factor, threshold and stress belong together",
+        "blocks follow a few interfaces at a time",
+        _is_elementwise,
+    )
     what = "changes with the distance from the crack" if law.follows_crack else "does not"
     each(
         f"follows_crack = {law.follows_crack}: the law {what}",
@@ -111,6 +116,26 @@ def _is_local(interfaces: DamageInterfaces, known: RateConstants, damage: Damage
             np.array_equal(part.factor, known.factor[chosen])
             and np.array_equal(part.threshold, known.threshold[chosen])
         ):
+            return False
+    return True
+
+
+def _is_elementwise(_: DamageInterfaces, constants: RateConstants) -> bool:
+    stress = np.linspace(2.0, 0.0, COUNT) * constants.threshold + 1000.0
+    rates = constants.rate(stress, 0.5 * stress)
+    for chosen in (np.arange(COUNT)[::-1], np.arange(0, COUNT, 7), np.array([COUNT - 1])):
+        some = replace(
+            constants, factor=constants.factor[chosen], threshold=constants.threshold[chosen]
+        )
+        columns = constants.columns(chosen)
+        try:
+            found = some.rate(stress[chosen], 0.5 * stress[chosen])
+            table = columns.rate(stress[chosen, None] * [1.0, 1.0], 0.5 * stress[chosen, None])
+        except ValueError:
+            return False
+        if not np.array_equal(found, rates[chosen]) or table.shape != (len(chosen), 2):
+            return False
+        if not np.array_equal(table[:, 1], rates[chosen]):
             return False
     return True
 

@@ -30,4 +30,8 @@ def law_claims(law: Law, scene: Scene) -> Section:
         _CLAIMS[type(law)](section, scene)
     except PearliteError as error:
         section.true("The law answers", "", "an answer", str(error), False)
+    except Exception as error:
+        # Whatever goes wrong where the program calls what a law returned is the law's.
+        text = f"{type(error).__name__}: {error}"
+        section.true("What the law returns can be used", "", "no error", text, False)
     return section

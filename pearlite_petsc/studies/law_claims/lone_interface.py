@@ -66,7 +66,7 @@ class LoneInterface:
                 damage=damage,
                 jump=self.jump(damage),
                 stiffness=Stiffness(np.ones(1), np.ones(1)),
-                law=self.constants,
+                rates=self.constants,
                 failure_damage=1.0,
                 nominal=False,
                 stiffness_ratio=ratio,
@@ -140,7 +140,7 @@ class Alone:
             constants=np.ones((1, 3)),
             springs=np.ones((1, 2)),
             compliance=np.eye(3) * g / (1.0 - g * drive.damage),
-            law=drive.law,
+            rates=drive.rates,
             nominal=drive.nominal,
             load=FollowingLoad(
                 drive.damage, stiffness_ratio, np.zeros((1, 2)), np.zeros((1, 3, 2))

@@ -130,7 +130,7 @@ class SeriesSpring:
             constants=np.ones((1, 3)),
             springs=np.ones((1, 2)),
             compliance=np.eye(3) * ratio / (1.0 - ratio * damage),
-            law=drive.law,
+            rates=drive.rates,
             nominal=self.nominal,
             load=FollowingLoad(damage, ratio, np.zeros((1, 2)), np.zeros((1, 3, 2))),
         )

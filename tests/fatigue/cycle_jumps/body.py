@@ -45,7 +45,7 @@ class Body:
         base = rng.normal(size=(UNKNOWNS, UNKNOWNS))
         self._rest = base @ base.T + 12.0 * np.eye(UNKNOWNS)
         self._load = 20.0 * rng.normal(size=UNKNOWNS)
-        self.law = RateConstants(
+        self.rates = RateConstants(
             np.geomspace(1e-9, 4e-9, COUNT), np.full(COUNT, self.threshold), 0.3
         )
         self.constants = np.full((COUNT, 3), 1.5)
@@ -85,7 +85,7 @@ class Body:
         compliance = self._rows @ np.linalg.solve(self._stiffness(drive.damage), self._rows.T)
         rows = (3 * numbers[:, None] + np.arange(3)).ravel()
         count = len(numbers)
-        law = self.law
+        rates = self.rates
         return Softening(
             damage=drive.damage[numbers],
             limit=limit[numbers],
@@ -93,7 +93,7 @@ class Body:
             constants=self.constants[numbers],
             springs=np.stack([self.stiffness.k_n, self.stiffness.k_t], axis=1)[numbers],
             compliance=compliance[np.ix_(rows, rows)],
-            law=RateConstants(law.factor[numbers], law.threshold[numbers], law.beta),
+            rates=RateConstants(rates.factor[numbers], rates.threshold[numbers], rates.beta),
             nominal=False,
             load=FollowingLoad(
                 drive.damage[numbers],
@@ -110,7 +110,7 @@ class Body:
             "damage": damage,
             "jump": self.jumps(damage),
             "stiffness": self.stiffness,
-            "law": self.law,
+            "rates": self.rates,
             "failure_damage": 1.0,
             "nominal": False,
             "stiffness_ratio": self.ratio,
@@ -149,7 +149,7 @@ class Body:
 
         def rate(_: float, damage: FloatArray) -> FloatArray:
             jump = self.jumps(damage)
-            return self.law.rate(self.stiffness.k_n * jump[:, 0], self.stiffness.k_t * jump[:, 1])
+            return self.rates.rate(self.stiffness.k_n * jump[:, 0], self.stiffness.k_t * jump[:, 1])
 
         def broken(_: float, damage: FloatArray) -> float:
             return float(damage.max() - 1.0)
