@@ -10,8 +10,9 @@ import numpy as np
 from pearlite_petsc import config
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.face.crack import Crack
-from pearlite_petsc.face.scene import Scene
+from pearlite_petsc.face.scene import Files, Scene, found_laws
 from pearlite_petsc.face.table import Table
+from pearlite_petsc.laws.catalogue import Laws
 from pearlite_petsc.output.result_folder import Result, read_result
 from pearlite_petsc.output.statistics import rate_curves
 from pearlite_petsc.output.tables import UM_PER_M, delta_k_in_mpa_sqrt_m, in_order
@@ -29,9 +30,14 @@ class Results:
         provenance: What ran, where and when; empty where only the tables are left.
     """
 
-    def __init__(self, result: Result) -> None:
+    def __init__(self, result: Result, laws: Laws | None = None) -> None:
         self.folder, self.provenance = result.folder, result.provenance
-        self.scene = Scene._of(result.scene)
+        if laws is None:
+            # Readable without the laws that it names, which need not be at hand any more.
+            self.scene = Scene._of(result.scene, config.laws_of_results(result.scene_text))
+        else:
+            program = config.load_scene_text(result.scene_text, result.scene.name, (), laws)
+            self.scene = Scene._of(program, laws)
         self._measured = result.measured
         self._outcomes = in_order(result.outcomes, list(self.scene.states))
         self._cracks = [Crack._of(self.scene, outcome) for outcome in self._outcomes]
@@ -149,16 +155,18 @@ class Results:
         return f"<Results of {self.folder}: {len(self)} cracks, {counts or 'none yet'}>"
 
 
-def read_results(path: str | PathLike[str]) -> Results:
+def read_results(path: str | PathLike[str], *, load: Files = ()) -> Results:
     """Read what a run left.
 
     Args:
         path: Its output folder, or a ``results.h5``.
+        load: A Python file, or several, with the laws of your own that the run was started with;
+            only needed to grow further cracks of its scene.
 
     Raises:
-        PearliteError: There are no results, or a file cannot be read.
+        PearliteError: There are no results, a file cannot be read, or a law has another text now.
     """
-    return Results(read_result(Path(path)))
+    return Results(read_result(Path(path)), found_laws(load) if load else None)
 
 
 def _joined(arrays: list[Any]) -> Any:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 from pearlite_petsc.ensemble.stop import StopRequest
 from pearlite_petsc.errors import PearliteError
 from pearlite_petsc.exit_status import ExitStatus
-from pearlite_petsc.face.results import Results, read_results
+from pearlite_petsc.face.results import Results
 from pearlite_petsc.face.scene import Scene
 from pearlite_petsc.launch.display import display_of_rank
 from pearlite_petsc.output.experiment import KEPT, read_experiment
+from pearlite_petsc.output.result_folder import read_result
 from pearlite_petsc.world import world
 
 if TYPE_CHECKING:
@@ -64,4 +65,4 @@ def run(
         raise PearliteError(
             f"{folder}: the run's output could not be written, see {folder}/run.log"
         )
-    return read_results(folder)
+    return Results(read_result(folder), scene._laws)

@@ -42,7 +42,7 @@ class Scene(Mapping[str, Any]):
     __slots__ = ("_laws", "_program", "_tables")
 
     def __init__(self, name: str = "scene", *, load: Files = (), **tables: Any) -> None:
-        laws = _laws(load)
+        laws = found_laws(load)
         self._set(_checked({"name": name, **tables}, laws), laws)
 
     @classmethod
@@ -60,7 +60,7 @@ class Scene(Mapping[str, Any]):
             >>> Scene.from_dict({"states": {"undeformed": {}}}).states.keys()
             dict_keys(['undeformed'])
         """
-        laws = _laws(load)
+        laws = found_laws(load)
         return cls._of(_checked(tables, laws), laws)
 
     @classmethod
@@ -155,7 +155,7 @@ def load_scene(path: str | PathLike[str], *, load: Files = ()) -> Scene:
     Raises:
         PearliteError: Something in it cannot be used; one line with file, table, key and limit.
     """
-    laws = _laws(load)
+    laws = found_laws(load)
     program = config.load_scene(path, (), laws)
     config.refuse_faulty_laws(program)
     return Scene._of(program, laws)
@@ -167,7 +167,7 @@ def _checked(tables: Mapping[str, Any], laws: Laws) -> ProgramScene:
     return program
 
 
-def _laws(load: Files) -> Laws:
+def found_laws(load: Files) -> Laws:
     """Return all laws that a scene may choose from."""
     return config.find_laws((load,) if isinstance(load, str | PathLike) else load)
 

@@ -138,3 +138,45 @@ def test_the_text_counts_the_cracks_by_how_they_ended(folder: Path) -> None:
     text = repr(pp.read_results(folder))
     assert text.startswith(f"<Results of {folder}: 8 cracks, ")
     assert "grown" in text
+
+
+LAW = """
+from dataclasses import replace
+
+from pearlite_petsc.fatigue.damage import objective
+from pearlite_petsc.laws import DamageLaw
+
+
+def twice(interfaces, damage):
+    constants = objective(interfaces, damage)
+    return replace(constants, factor=2.0 * constants.factor)
+
+
+LAWS = [DamageLaw(name="twice", help="twice as fast", function=twice)]
+"""
+
+
+def test_results_with_a_law_of_ones_own_are_read_without_it_and_go_on_with_it(
+    tmp_path: Path, folder: Path
+) -> None:
+    law = tmp_path / "law.py"
+    law.write_text(LAW)
+    tables = small_scene().to_dict() | {"damage": {"law": "twice"}, "ensemble": {"meshes": 1}}
+    tables["states"] = {"severe_AT": {}}
+    scene = pp.Scene.from_dict(tables, load=law)
+    results = pp.run(scene, tmp_path / "run", comm=MPI.COMM_SELF)
+    found = results.crack("severe_AT", delta_k_mpa_sqrt_m=18.0)
+    slower = pp.read_results(folder).crack("severe_AT", delta_k_mpa_sqrt_m=18.0)
+    assert found.da_dn_m_per_cycle == pytest.approx(2.0 * slower.da_dn_m_per_cycle, rel=1e-9)
+    mesh = pp.build_mesh(results.scene, "severe_AT")
+    again = pp.grow_crack(mesh, delta_k_mpa_sqrt_m=18.0)
+    assert again.da_dn_m_per_cycle == found.da_dn_m_per_cycle
+    bare = pp.read_results(tmp_path / "run")
+    assert bare.scene["damage"]["law"] == "twice"
+    with pytest.raises(pp.PearliteError, match='law "twice" was not loaded'):
+        pp.grow_crack(pp.build_mesh(bare.scene, "severe_AT"), delta_k_mpa_sqrt_m=18.0)
+    whole = pp.read_results(tmp_path / "run", load=law)
+    assert whole.scene.replace(ensemble={"meshes": 3})["damage"]["law"] == "twice"
+    law.write_text(LAW.replace("2.0", "3.0"))
+    with pytest.raises(pp.PearliteError, match="law"):
+        pp.read_results(tmp_path / "run", load=law)
