@@ -72,10 +72,14 @@ def how_made(folder: Path, scene_text: str, provenance: Mapping[str, Any]) -> st
         provenance: What ran, where and when.
     """
     rows = [[title, _fact(provenance[key])] for key, title in _FACTS.items() if key in provenance]
+    own = [law for law in provenance.get("laws", []) if "sha256" in law]
+    rows += [[f'Law "{law["name"]}"', f"{law['file']}, SHA-256 {law['sha256']}"] for law in own]
+    files = dict.fromkeys(law["file"] for law in own if law["file"].endswith(".py"))
+    load = "".join(f" --load {quote(file)}" for file in files)
     here, again = quote(str(folder)), quote(f"{folder}-again")
     commands = (
         "# the same run, from the folder in which this one was started\n"
-        f"./pearlite.sh run {here}/scene.resolved.toml --output {again}\n"
+        f"./pearlite.sh run {here}/scene.resolved.toml{load} --output {again}\n"
         "# this page and its figures from the results alone\n"
         f"./pearlite.sh exec pearlite report {here}\n"
     )

@@ -268,3 +268,19 @@ def test_the_time_is_that_of_all_runs_in_the_folder(tmp_path: Path) -> None:
     assert "commit abc" in text
     # The word stands in the whole list, where it has its name.
     assert text.count("changed") == 1
+
+
+def test_laws_of_ones_own_are_named_with_their_text_and_loaded_again(tmp_path: Path) -> None:
+    laws = [
+        {"table": "damage", "name": "film", "file": "my laws.py", "sha256": "ab" * 32},
+        {"table": "material", "name": "soft", "file": "my laws.py", "sha256": "ab" * 32},
+        {"table": "cycle_jump", "name": "jump", "file": "my_package.laws", "sha256": "cd" * 32},
+    ]
+    shipped = {"table": "damage", "name": "objective", "parameters": {}}
+    scene = default_scene(states=(STATES["undeformed"],))
+    facts = {"laws": [shipped, *laws]}
+    write_report(tmp_path / "report.html", Result(tmp_path, scene, []), "", facts)
+    text = checked(tmp_path / "report.html").text
+    assert f"{tmp_path}/scene.resolved.toml --load 'my laws.py' --output" in text
+    assert f'Law "film"my laws.py, SHA-256 {"ab" * 32}' in text.replace("\n", "")
+    assert 'Law "objective"' not in text
