@@ -17,6 +17,7 @@ from pearlite_petsc.output.figures.style import (
     BROKEN,
     GREY,
     INK,
+    MOST_NAMED,
     WIDTH,
     drawing,
     grid_shape,
@@ -133,8 +134,11 @@ def show_paths(
     axes.plot([left, notch[0]], [notch[1]] * 2, color=INK, linewidth=3.0, label="notch")
     # Wide first, so that paths that agree still show one under the other.
     widths = np.linspace(4.0 if len(paths) > 1 else 1.6, 1.2, max(len(paths), 1))
-    for colour, width, line in zip(colours, widths, paths, strict=False):
-        axes.plot(*line.path.T, color=colour, linewidth=width, label=line.label)
+    # Of many paths only some are named: each more would hide a part of the picture.
+    every = -(-len(paths) // MOST_NAMED)
+    for place, (colour, width, line) in enumerate(zip(colours, widths, paths, strict=False)):
+        label = line.label if place % every == 0 or place == len(paths) - 1 else None
+        axes.plot(*line.path.T, color=colour, linewidth=width, label=label)
     axes.set(xlim=(left, right), ylim=(bottom, top))
     if paths:
         axes.legend(loc="upper left", frameon=True, framealpha=0.85)

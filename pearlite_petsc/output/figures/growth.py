@@ -7,6 +7,8 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
@@ -15,6 +17,7 @@ from pearlite_petsc.fatigue.growth_rate import advances
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.output.figures.style import (
     INK,
+    MOST_NAMED,
     WIDTH,
     drawing,
     grid_shape,
@@ -24,6 +27,7 @@ from pearlite_petsc.output.figures.style import (
     state_label,
     state_styles,
 )
+from pearlite_petsc.output.figures.ticks import DELTA_K_LABEL, plain_ticks
 from pearlite_petsc.output.statistics import counts
 from pearlite_petsc.output.tables import MPA_SQRT_UM, UM_PER_M, delta_k_in_mpa_sqrt_m
 
@@ -38,9 +42,14 @@ def draw_growth(path: Path, outcomes: Sequence[Outcome], states: Sequence[str]) 
     """
     states = [name for name in states if any(o.state == name for o in outcomes)]
     levels = sorted({o.delta_k for o in outcomes})
-    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, max(len(levels), 1)))
+    named = len(levels) <= MOST_NAMED
+    shades = np.linspace(0.0, 0.9, max(len(levels), 1))
+    if not named:
+        logs = np.log(levels)
+        shades = 0.9 * (logs - logs[0]) / (logs[-1] - logs[0])
+    colours = matplotlib.colormaps["viridis"](shades)
     rows, columns = grid_shape(len(states))
-    with drawing(path, WIDTH, 2.2 * rows + 0.4) as figure:
+    with drawing(path, WIDTH, 2.2 * rows + (0.4 if named else 0.9)) as figure:
         grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         for axes in grid.flat[len(states) :]:
             axes.axis("off")
@@ -60,14 +69,27 @@ def draw_growth(path: Path, outcomes: Sequence[Outcome], states: Sequence[str]) 
             axes.set(xscale="log", title=state_label(state))
             axes.xaxis.set_minor_locator(NullLocator())
             axes.grid(True)
+        label_outer(grid, len(states), "cycles N", "crack length a [µm]")
+        if not named:
+            _bar_of_levels(figure, grid, levels)
+            return
         handles = [
             Line2D(
                 [], [], color=colours[place], label=f"ΔK = {delta_k_in_mpa_sqrt_m(level):g} MPa√m"
             )
             for place, level in enumerate(levels)
         ]
-        label_outer(grid, len(states), "cycles N", "crack length a [µm]")
         legend_below(figure, handles, min(max(len(handles), 1), 6))
+
+
+def _bar_of_levels(figure: Any, grid: Any, levels: Sequence[float]) -> None:
+    """Put a colour bar of Delta-K below the panels, where a legend would be too long."""
+    viridis = ListedColormap(matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, 256)))
+    ends = [level / MPA_SQRT_UM for level in (levels[0], levels[-1])]
+    shade = ScalarMappable(LogNorm(*ends), viridis)
+    bar = figure.colorbar(shade, ax=grid, location="bottom", fraction=0.05, aspect=40.0)
+    bar.set_label(DELTA_K_LABEL)
+    plain_ticks(bar.ax)
 
 
 def show_history(

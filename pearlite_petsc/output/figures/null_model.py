@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from pearlite_petsc.fatigue.outcome import Outcome
-from pearlite_petsc.output.figures.rates import DELTA_K_LABEL, plain_ticks
 from pearlite_petsc.output.figures.style import (
     GREY,
     INK,
@@ -17,6 +16,7 @@ from pearlite_petsc.output.figures.style import (
     legend_below,
     state_styles,
 )
+from pearlite_petsc.output.figures.ticks import DELTA_K_LABEL, plain_ticks
 from pearlite_petsc.output.null_model import null_ratio
 from pearlite_petsc.output.statistics import common_levels, rate_ratio
 from pearlite_petsc.output.tables import MPA_SQRT_UM

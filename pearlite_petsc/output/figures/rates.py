@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.markers import CARETDOWN
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
 from pearlite_petsc.output.experiment import MeasuredPoint
@@ -18,6 +17,7 @@ from pearlite_petsc.output.figures.style import (
     light_grid,
     state_styles,
 )
+from pearlite_petsc.output.figures.ticks import DELTA_K_LABEL, plain_ticks
 from pearlite_petsc.output.literature import (
     GROWTH_LAWS,
     RAIL_LIMITS,
@@ -32,7 +32,6 @@ from pearlite_petsc.output.statistics import (
 from pearlite_petsc.output.tables import MPA_SQRT_UM, UM_PER_M
 from pearlite_petsc.scene import State
 
-DELTA_K_LABEL = r"$\Delta K$ [MPa$\sqrt{\mathrm{m}}$]"
 EARLY_LABEL = "ended before the full extension"
 ARRESTED_LABEL = "arrested, no rate"
 PART_LABEL = "not all meshes grew"
@@ -286,14 +285,3 @@ def _range(
     values += [p.delta_k for p in measured]
     values = values or [limit.delta_k for limit in RAIL_LIMITS]
     return 0.85 * min(values), 1.18 * max(values)
-
-
-def plain_ticks(
-    axes: Any, ticks: Sequence[float] = (1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, 40, 60, 100)
-) -> None:
-    """Put plain numbers on a logarithmic axis of Delta-K [MPa sqrt(m)]."""
-    limits = axes.get_xlim()
-    axes.xaxis.set_major_locator(FixedLocator(list(ticks)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_xlim(limits)

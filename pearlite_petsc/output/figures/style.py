@@ -19,6 +19,9 @@ DPI = 200
 WIDTH = 7.2
 """Width of a figure over the whole text [inch]."""
 
+MOST_NAMED = 12
+"""Delta-K up to which each has its own entry in a legend."""
+
 INK = "#1a1a1a"
 GREY = "#8c8c8c"
 PALE = "#dddddd"
