@@ -6,7 +6,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 from pearlite_petsc import config
-from pearlite_petsc.errors import SceneError
+from pearlite_petsc.errors import PearliteError, SceneError
 from pearlite_petsc.face.crack import Crack
 from pearlite_petsc.face.mesh import Mesh
 from pearlite_petsc.face.scene import Scene
@@ -100,11 +100,11 @@ class Growth(Iterator[Step]):
         try:
             step = next(self._steps)
         except BaseException:
-            self.close()
+            self._free()
             raise
         if step.stop is not None:
             self._crack = self._crack_now(step.stop)
-            self.close()
+            self._free()
         stop = None if step.stop is None else step.stop.value
         return Step(step.cycles, step.crack_length, step.solves, stop)
 
@@ -113,10 +113,10 @@ class Growth(Iterator[Step]):
         return self._crack_now(None) if self._is_open else self._kept()
 
     def close(self) -> None:
-        """Free the solver; the crack stays readable. Collective; may be called again."""
+        """Free the solver; ``crack`` stays as it is. Collective; may be called again."""
         if self._is_open:
-            self._is_open = False
-            self._growth.close()
+            self._crack = self._crack_now(None)
+            self._free()
 
     def __enter__(self) -> "Growth":
         return self
@@ -127,9 +127,9 @@ class Growth(Iterator[Step]):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._is_open and kind is None:
-            self._crack = self._crack_now(None)
-        self.close()
+        if kind is None:
+            self.close()
+        self._free()
 
     def __repr__(self) -> str:
         where = "growing" if self._is_open else "ended"
@@ -138,13 +138,18 @@ class Growth(Iterator[Step]):
             f"<Growth on {self.mesh.state} {self.mesh.index} at {delta_k:g} MPa sqrt(m), {where}>"
         )
 
+    def _free(self) -> None:
+        if self._is_open:
+            self._is_open = False
+            self._growth.close()
+
     def _crack_now(self, stop: StopReason | None) -> Crack:
         outcome = self._comm.bcast(self._growth.outcome(stop or StopReason.GROWN))
         return Crack._of(self.scene, outcome, finished=stop is not None)
 
     def _kept(self) -> Crack:
         if self._crack is None:
-            raise SceneError("this growth was closed before its crack was asked for")
+            raise PearliteError("this growth ended with an error and has no crack")
         return self._crack
 
 

@@ -69,13 +69,22 @@ def test_growth_can_be_stopped_on_the_way_and_keeps_its_crack() -> None:
     growth.close()
 
 
+def test_growth_that_is_closed_by_hand_keeps_its_crack() -> None:
+    growth = pp.Growth(mesh(), delta_k_mpa_sqrt_m=18.0)
+    step = next(growth)
+    growth.close()
+    assert growth.crack().stop_reason == "stopped"
+    assert growth.crack().history.crack_length_um[-1] == step.crack_length_um
+    assert next(growth, None) is None
+
+
 def test_an_error_inside_the_block_passes_and_closes() -> None:
     with (
         pytest.raises(RuntimeError, match="of the user"),
         pp.Growth(mesh(), delta_k_mpa_sqrt_m=18.0) as growth,
     ):
         raise RuntimeError("of the user")
-    with pytest.raises(pp.PearliteError, match="closed before its crack was asked for"):
+    with pytest.raises(pp.PearliteError, match="ended with an error and has no crack"):
         growth.crack()
 
 
