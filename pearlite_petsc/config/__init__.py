@@ -1,6 +1,9 @@
 """Scene files: TOML in, validated frozen objects out; the only place that converts units.
 
 ``keys`` is the one table of what a scene may say; reading, writing and the JSON schema follow it.
+Own code rather than a validation library: a message names file, table, key, limit and nearest known
+key in one line, decimals keep their bits through units and back, and every value is written with its
+meaning.
 """
 
 from pearlite_petsc.config.absent_laws import laws_of_results
