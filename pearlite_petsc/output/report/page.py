@@ -18,6 +18,7 @@ from pearlite_petsc.output.report.elements import (
     table,
 )
 from pearlite_petsc.output.report.reproduce import how_made, when
+from pearlite_petsc.output.report.tip import tip_section
 from pearlite_petsc.output.report.validity import task_warnings, validity_warnings, zone_rows
 from pearlite_petsc.output.result_folder import Result
 from pearlite_petsc.output.statistics import rate_curves
@@ -194,7 +195,9 @@ def _paths(result: Result) -> str:
 
 
 def _growth(result: Result) -> str:
-    return _figure(result, "growth", "Crack length over cycles, one line a mesh.")
+    return _figure(result, "growth", "Crack length over cycles, one line a mesh.") + tip_section(
+        result
+    )
 
 
 def _microstructure(result: Result) -> str:
