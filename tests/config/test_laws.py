@@ -117,3 +117,13 @@ def test_a_law_that_is_first_is_the_default_and_its_parameters_need_no_choice() 
     assert jsonschema.Draft202012Validator(scene_schema(laws)).is_valid(
         {"damage": {"film_thickness_nm": 50}}
     )
+
+
+def test_a_law_may_refuse_other_values_of_its_table() -> None:
+    law = replace(
+        LAW, check=lambda damage: ("beta", "= 2 is too much") if damage.beta == 2.0 else None
+    )
+    laws = SHIPPED.joined([law])
+    load_scene_text("", "a.toml", ["damage.law=thick", "damage.beta=1"], laws)
+    with pytest.raises(SceneError, match=r"\[damage\] beta = 2 is too much"):
+        load_scene_text("", "a.toml", ["damage.law=thick", "damage.beta=2"], laws)
