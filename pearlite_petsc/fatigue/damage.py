@@ -11,7 +11,9 @@ from pearlite_petsc.mechanics.lefm import TIP_FACTOR
 from pearlite_petsc.scene import Damage, Kind, State
 
 _SEGMENTS = 64
-_BLEND = 10
+_BLEND = 30
+_STEEPEST = 0.75 * np.sqrt(3.0)
+"""Largest opening stress at one distance from a tip over that straight ahead, at 60 degrees."""
 
 
 def yield_stress(shear_strain: float) -> float:
@@ -96,11 +98,11 @@ def rated_length(
 ) -> FloatArray:
     """Return the length l by which an interface is rated [um]: L at the crack, l_0 far from it.
 
-    The K field of a tip at distance r puts the mean stress b K/sqrt(l) on an interface that lies
-    between r - L/2 and r + L/2, sqrt(l) = sqrt(r + L/2) + sqrt(r - L/2): L where it touches the tip,
-    4 r far ahead. Rated by l, every interface has the threshold that Delta-K_th puts on it there.
-    l is held below l_0 by (q^-n + a^-n)^(-1/n) in place of the smaller of q = l - L and a = l_0 - L,
-    n = 10, which has no kink.
+    The K field of a tip puts the mean stress b K/(sqrt(r + L/2) + sqrt(r - L/2)) on an interface
+    ahead of it, and at 60 degrees to its sides 1.3 times that, the most at this distance. Rated by
+    sqrt(l) = (sqrt(r + L/2) + sqrt(r - L/2))/1.3, none of them is above its threshold at
+    Delta-K < Delta-K_th. l is not below L, which it is for those that touch the crack, and held
+    below l_0 by (q^-n + a^-n)^(-1/n), n = 30, in place of the smaller of q = l - L and a = l_0 - L.
 
     Args:
         length: L [um]; shape (k,).
@@ -109,7 +111,8 @@ def rated_length(
     """
     half = 0.5 * length
     distance = np.maximum(crack_distance, half)
-    way = 2.0 * (distance - half + np.sqrt((distance - half) * (distance + half)))
+    field = (np.sqrt(distance + half) + np.sqrt(distance - half)) / _STEEPEST
+    way = np.maximum(field**2 - length, 0.0)
     room = np.maximum(critical_distance - length, 0.0)
     least, most = np.minimum(way, room), np.maximum(way, room)
     share = np.divide(least, most, where=most > 0.0, out=np.zeros_like(most))

@@ -10,6 +10,7 @@ from pearlite_petsc.studies.verification.exact import exact
 from pearlite_petsc.studies.verification.fracture import fracture
 from pearlite_petsc.studies.verification.metamorphic import metamorphic
 from pearlite_petsc.studies.verification.objectivity import objectivity
+from pearlite_petsc.studies.verification.short_cracks import short_cracks
 from pearlite_petsc.studies.verification.texture import texture
 
 SECTIONS: dict[str, Callable[[Setting], Section]] = {
@@ -18,6 +19,7 @@ SECTIONS: dict[str, Callable[[Setting], Section]] = {
     "fracture": fracture,
     "crack_tip": crack_tip,
     "damage": damage,
+    "short_cracks": short_cracks,
     "metamorphic": metamorphic,
     "texture": texture,
     "objectivity": objectivity,
