@@ -2,10 +2,14 @@
 
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
+from html import escape
+from itertools import islice
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+ROWS_SHOWN = 20
 
 
 class Table:
@@ -71,7 +75,24 @@ class Table:
         rows = f"{len(self):,} row{'' if len(self) == 1 else 's'}"
         return f"<Table of {rows}: {', '.join(self._arrays)}>"
 
+    def _repr_html_(self) -> str:
+        """Return the first rows as a notebook shows them."""
+        head = "".join(f"<th>{escape(name)}</th>" for name in self._arrays)
+        rows = "".join(
+            "<tr>"
+            + "".join(f"<td>{escape(_shown(value))}</td>" for value in row.values())
+            + "</tr>"
+            for row in islice(self, ROWS_SHOWN)
+        )
+        more = len(self) - ROWS_SHOWN
+        end = f"<p>and {more:,} more rows</p>" if more > 0 else ""
+        return f"<table><tr>{head}</tr>{rows}</table>{end}"
+
     def _unknown(self, name: str) -> str:
         close = get_close_matches(str(name), self._arrays, n=1)
         hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(self._arrays)}"
         return f"no column {name}, {hint}"
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -62,3 +62,13 @@ def test_pandas_takes_the_dictionary() -> None:
     frame = pandas.DataFrame(TABLE.to_dict())
     assert frame.columns.tolist() == ["state", "crack_length_um"]
     assert frame.crack_length_um.max() == 81.5
+
+
+def test_a_notebook_shows_the_first_rows() -> None:
+    html = TABLE._repr_html_()
+    assert html.startswith("<table><tr><th>state</th><th>crack_length_um</th></tr>")
+    assert "<tr><td>b</td><td>81.5</td></tr>" in html
+    long = pp.Table({"cycles": np.arange(1e3) / 3.0, "state": ["<a>"] * 1000})
+    assert long._repr_html_().count("<tr>") == 21
+    assert "<td>0.333333</td><td>&lt;a&gt;</td>" in long._repr_html_()
+    assert long._repr_html_().endswith("<p>and 980 more rows</p>")
