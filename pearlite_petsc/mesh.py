@@ -27,6 +27,7 @@ from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.microstructure.cells import equivalent_diameters
 from pearlite_petsc.output.mesh_file import write_mesh
 from pearlite_petsc.output.mesh_xdmf import write_mesh_xdmf
+from pearlite_petsc.output.whole_file import make_folder, unusable
 from pearlite_petsc.scene import Scene, State
 from pearlite_petsc.tessellation.build import Substrate, prepare, tessellate
 from pearlite_petsc.tessellation.mesh import Mesh
@@ -57,11 +58,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for path in (output, output.with_suffix(".xdmf")):
             if path.exists() and not options.overwrite:
                 raise SceneError(f"{path} exists; --overwrite replaces it")
+        make_folder(output.parent)
         substrate = prepare(scene, state, options.index)
         mesh = tessellate(substrate, initial_zone(scene))
-        write_mesh(output, mesh, scene_to_toml(scene))
-        shown = write_mesh_xdmf(output)
-    except (PearliteError, OSError) as error:
+        try:
+            write_mesh(output, mesh, scene_to_toml(scene))
+            shown = write_mesh_xdmf(output)
+        except OSError as error:
+            raise unusable(output, error) from None
+    except PearliteError as error:
         complain(str(error))
         return ExitStatus.BAD_INPUT
     sys.stdout.write(f"{summary(scene, substrate, mesh)}\nwrote {output}\nwrote {shown}\n")

@@ -120,3 +120,17 @@ def test_a_recipe_has_the_nuclei_of_a_run_where_both_are_fine() -> None:
     fine = {tuple(place) for place in numbers[start.fine].tolist()}
     assert len(fine) > 50
     assert fine <= {tuple(place) for place in places[corridor.fine].tolist()}
+
+
+@pytest.mark.parametrize("output", ["file/mesh.h5", "folder.h5"])
+def test_a_place_that_cannot_be_written_is_one_message(
+    output: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "folder.h5").mkdir()
+    recipe = str(ROOT / "meshes" / "severe_AT.toml")
+    assert main([recipe, "--output", str(tmp_path / output), "--overwrite"]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert "cannot be used as output" in err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.h5"]
