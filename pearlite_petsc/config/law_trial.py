@@ -4,10 +4,12 @@ import numpy as np
 
 from pearlite_petsc.errors import PearliteError, SceneError
 from pearlite_petsc.fatigue.damage import damage_interfaces
-from pearlite_petsc.laws.damage import DamageInterfaces
+from pearlite_petsc.fatigue.lone_interface import LoneInterface
+from pearlite_petsc.laws.damage import DamageInterfaces, RateConstants
+from pearlite_petsc.laws.law import described
 from pearlite_petsc.laws.springs import SpringInterfaces
 from pearlite_petsc.mechanics.springs import stiffness_of
-from pearlite_petsc.scene import Damage, Kind, Scene, State
+from pearlite_petsc.scene import CycleJump, Damage, Kind, Scene, State
 
 LENGTH = np.array([0.05, 0.5, 2.0, 4.0, 8.0, 30.0])
 """Lengths of sample interfaces [um]; there is one of every kind but the notch's and one more."""
@@ -55,5 +57,24 @@ def refuse_faulty_laws(scene: Scene) -> None:
                 scene.damage.law.rate_constants(interfaces, scene.damage)
         if scene.material.springs.source is not None:
             stiffness_of(sample_springs(), scene.material, 1.0)
+        if scene.cycle_jump.method.source is not None:
+            _try_cycle_jump(scene.cycle_jump)
     except PearliteError as error:
         raise SceneError(str(error)) from error
+
+
+def _try_cycle_jump(settings: CycleJump) -> None:
+    """Run one block of one interface.
+
+    Raises:
+        PearliteError: The cycle jump fails.
+    """
+    constants = RateConstants(np.array([1e-12]), np.zeros(1), 0.3)
+    try:
+        LoneInterface(constants, 1000.0, 500.0, 0.5).blocks(settings, most=1)
+    except PearliteError:
+        raise
+    except Exception as error:
+        # In a generator, or where what it returned is used.
+        text = f"{described(settings.method)} fails: {type(error).__name__}: {error}"
+        raise PearliteError(text) from error

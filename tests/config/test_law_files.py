@@ -162,6 +162,23 @@ def test_a_law_that_fails_is_refused_before_a_run_begins(
         refuse_faulty_laws(scene)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ("return start.no_such_thing", r"own_jump\" of .* fails: AttributeError: .*no_such_thing"),
+        ("return 3.0", "own_jump\" of .* fails: AttributeError: 'float'"),
+        ("yield 3.0", "own_jump\" of .* fails: AttributeError: 'float'"),
+    ],
+)
+def test_a_cycle_jump_that_fails_is_refused_before_a_run_begins(
+    wrong: str, message: str, file: Path
+) -> None:
+    file.write_text(TEXT.replace("return Euler(settings.delta_d)(start)", wrong))
+    scene = load_scene_text("", "a.toml", CHOSEN, find_laws([file]))
+    with pytest.raises(SceneError, match=message):
+        refuse_faulty_laws(scene)
+
+
 def install(folder: Path, text: str) -> None:
     """Make a package of laws and its metadata as pip does."""
     (folder / "my_laws.py").write_text(text)

@@ -156,7 +156,7 @@ JUMP_FAULTS: dict[str, tuple[Callable[..., Any], str]] = {
 def test_a_faulty_cycle_jump_fails_the_claim_about_its_fault(
     fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("pearlite_petsc.studies.law_claims.lone_interface.MOST_BLOCKS", 300)
+    monkeypatch.setattr("pearlite_petsc.fatigue.lone_interface.MOST_BLOCKS", 300)
     function, claim = JUMP_FAULTS[fault]
     wrong = failed(CycleJumpLaw(name="own", help="for tests", function=function))
     assert any(statement.startswith(claim) for statement in wrong), wrong

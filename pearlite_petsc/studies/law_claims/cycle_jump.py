@@ -6,9 +6,10 @@ import numpy as np
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.fatigue.cycle_jumps.situation import Block
+from pearlite_petsc.fatigue.lone_interface import LoneInterface
 from pearlite_petsc.laws.damage import RateConstants
 from pearlite_petsc.scene import CycleJump, Scene
-from pearlite_petsc.studies.law_claims.lone_interface import LoneInterface
+from pearlite_petsc.studies.law_claims.exact_life import exact_life
 from pearlite_petsc.studies.verification.claim import Section
 
 CONSTANTS = RateConstants(np.array([1e-12]), np.array([1000.0]), 0.3)
@@ -75,4 +76,4 @@ def _only_grows(runs: list[list[Block]], damages: list[FloatArray]) -> bool:
 
 
 def _error(interface: LoneInterface, settings: CycleJump) -> float:
-    return abs(interface.life(settings) / interface.exact_life() - 1.0)
+    return abs(interface.life(settings) / exact_life(interface) - 1.0)

@@ -1,10 +1,9 @@
 """One interface in series with a spring, as a cycle jump sees it."""
 
 from collections.abc import Generator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import quad
 
 from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.cycle_jumps.situation import Block, Memory, Situation, Trials
@@ -42,26 +41,22 @@ class LoneInterface:
         normal, shear = np.array([self.normal * rise]), np.array([self.shear * rise])
         return float(self.constants.rate(normal, shear)[0])
 
-    def exact_life(self) -> float:
-        """Return the cycles to failure, the integral of dD over its rate."""
-        life, _ = quad(lambda damage: 1.0 / self.rate(damage), 0.0, 1.0, epsrel=1e-10, limit=200)
-        return float(life)
-
     def jump(self, damage: FloatArray) -> FloatArray:
         """Return the jumps in equilibrium at a damage [um, um, rad]; (1, 3)."""
         start = np.array([[self.normal, self.shear, 0.0]])
         return np.asarray(start / (1.0 - self.stiffness_ratio * damage[:, None]))
 
-    def blocks(self, settings: CycleJump) -> list[Block]:
+    def blocks(self, settings: CycleJump, most: int | None = None) -> list[Block]:
         """Return the blocks of a cycle jump until the interface breaks or has no rate.
 
         Args:
             settings: Method and largest increment of a block.
+            most: Blocks after which to look no further; None takes ``MOST_BLOCKS``.
         """
         ratio = np.array([self.stiffness_ratio])
         damage, memory = np.zeros(1), Memory()
         found: list[Block] = []
-        while damage[0] < 1.0 and len(found) < MOST_BLOCKS:
+        while damage[0] < 1.0 and len(found) < (MOST_BLOCKS if most is None else most):
             start = Situation(
                 damage=damage,
                 jump=self.jump(damage),
@@ -146,11 +141,3 @@ class Alone:
                 drive.damage, stiffness_ratio, np.zeros((1, 2)), np.zeros((1, 3, 2))
             ),
         )
-
-
-def constants_of_one(constants: RateConstants, number: int) -> RateConstants:
-    """Return the constants of one of several interfaces."""
-    chosen = slice(number, number + 1)
-    return replace(
-        constants, factor=constants.factor[chosen], threshold=constants.threshold[chosen]
-    )
