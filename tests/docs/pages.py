@@ -7,7 +7,7 @@ Every ``sh`` and ``python`` block has a line before it that says how it is teste
 ``<!-- test: slow -->``             as they stand, with ``--slow``
 ``<!-- test: not run; reason -->``  not here; few, each with its reason
 
-Shell blocks of one page run in order, in one folder that holds copies of ``runs/`` and ``meshes/``; Python blocks
+Shell blocks of one page (README and guides: of all of them) run in order, in one folder with copies of ``runs/`` and ``meshes/``; Python blocks
 of one page are one script, which runs in such a folder after the page's runs.
 """
 
@@ -23,6 +23,12 @@ PAGES = (
     ROOT / "docs" / "examples" / "README.md",
     ROOT / "meshes" / "README.md",
 )
+READING_ORDER = tuple(
+    ROOT / name
+    for name in ("README.md", "docs/tutorial.md", "docs/how-to.md", "docs/troubleshooting.md")
+)
+"""Pages that a newcomer follows one after the other, in one folder."""
+
 MODES = ("verbatim", "quick", "slow", "not run")
 
 _MODE = re.compile(r"<!-- test: ([a-z ]+?)(?:; (.+))? -->")

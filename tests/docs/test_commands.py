@@ -8,11 +8,12 @@ import shutil
 import subprocess
 import sys
 from collections import defaultdict
+from html import unescape
 from pathlib import Path
 
 import pytest
 
-from tests.docs.pages import MODES, PAGES, ROOT, Block, blocks, rates
+from tests.docs.pages import MODES, PAGES, READING_ORDER, ROOT, Block, blocks, rates
 
 SECONDS = 600
 RATE = re.compile(r"\d\.\d\de-\d\d")
@@ -34,7 +35,7 @@ for word in "$@"; do
     if [ "$word" = -- ] || [ ${#petsc[@]} -gt 0 ]; then petsc+=("$word"); else own+=("$word"); fi
 done
 case $command in
-    run) exec mpirun -n 2 python -m pearlite_petsc.run "${own[@]}" $QUICK "${petsc[@]}" ;;
+    run) exec python -m pearlite_petsc.run --ranks 2 "${own[@]}" $QUICK "${petsc[@]}" ;;
     exec)
         case "$*" in *pearlite_petsc.run*) extra=$QUICK ;; *) extra= ;; esac
         exec "${own[@]}" $extra "${petsc[@]}"
@@ -112,14 +113,36 @@ def test_every_block_says_how_it_is_tested(page: Path) -> None:
         assert bool(block.reason) == (block.mode == "not run"), f"{block.page}:{block.line}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_the_commands_of_a_page_work_one_after_the_other(page: Path, tmp_path: Path) -> None:
-    chosen = [block for block in blocks(page) if block.mode in ("verbatim", "quick")]
-    if not chosen:
-        pytest.skip("no commands")
+def report_commands(report: Path) -> Block:
+    """Return the commands that a report gives under "How this was made"."""
+    listing = re.findall(r"<pre>(.*?)</pre>", report.read_text(encoding="utf-8"), re.DOTALL)
+    (commands,) = [text for text in listing if "./pearlite.sh run" in text]
+    return Block(report.name, 0, "quick", "", unescape(commands))
+
+
+def test_readme_and_guides_work_in_reading_order_in_one_folder(tmp_path: Path) -> None:
     folder = checkout(tmp_path)
-    for block in chosen:
-        follow(block, folder)
+    for page in READING_ORDER:
+        follow_page(page, folder)
+    follow(report_commands(folder / "runs" / "quickstart" / "report.html"), folder)
+
+
+@pytest.mark.parametrize(
+    "page",
+    [page for page in PAGES if page not in READING_ORDER],
+    ids=lambda page: str(page.relative_to(ROOT)),
+)
+def test_the_commands_of_a_page_work_one_after_the_other(page: Path, tmp_path: Path) -> None:
+    if not any(block.mode in ("verbatim", "quick") for block in blocks(page)):
+        pytest.skip("no commands")
+    follow_page(page, checkout(tmp_path))
+
+
+def follow_page(page: Path, folder: Path) -> None:
+    """Carry out the commands of a page, then its Python as one script, on one and two ranks."""
+    for block in blocks(page):
+        if block.mode in ("verbatim", "quick"):
+            follow(block, folder)
     python = [block.script for block in blocks(page, "python") if block.mode == "verbatim"]
     if python:
         (folder / "script.py").write_text("".join(python), encoding="utf-8")

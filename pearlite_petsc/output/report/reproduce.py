@@ -81,7 +81,7 @@ def how_made(folder: Path, scene_text: str, provenance: Mapping[str, Any]) -> st
         "# the same run, from the folder in which this one was started\n"
         f"./pearlite.sh run {here}/scene.resolved.toml{load} --output {again}\n"
         "# this page and its figures from the results alone\n"
-        f"./pearlite.sh exec pearlite report {here}\n"
+        f"./pearlite.sh exec python -m pearlite_petsc.report {here}\n"
     )
     source = (
         "Method: Davoodi Jooneghani, Six, Sharifi, Poletti, Trummer, Fatigue Crack Growth "

@@ -6,16 +6,13 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
-from pearlite_petsc.errors import SceneError
 from pearlite_petsc.fatigue.outcome import StopReason
 from pearlite_petsc.output.experiment import MeasuredPoint
 from pearlite_petsc.output.figures import (
     charts,
     cracks,
-    film,
     growth,
     microstructure,
     null_model,
@@ -23,7 +20,6 @@ from pearlite_petsc.output.figures import (
 )
 from pearlite_petsc.output.figures.style import drawing, state_label, state_styles
 from pearlite_petsc.output.snapshot import snapshot
-from pearlite_petsc.scene import Kind
 from tests.output import synthetic
 from tests.scenes import STATES
 
@@ -226,42 +222,3 @@ def test_the_same_data_give_the_same_files(tmp_path: Path) -> None:
     for suffix in (".png", ".svg"):
         first = (tmp_path / "a").with_suffix(suffix).read_bytes()
         assert first == (tmp_path / "b").with_suffix(suffix).read_bytes()
-
-
-def test_a_film_has_a_frame_for_every_step_and_rests_on_the_last(tmp_path: Path) -> None:
-    image = pytest.importorskip("PIL.Image")
-    steps = [snapshot(s) for s in synthetic.growth_states(synthetic.voronoi_mesh(), 5)]
-    path = film.animate(steps, tmp_path / "crack.gif", "test")
-    with image.open(path) as frames:
-        shown = sum((frames.seek(i), frames.info["duration"])[1] for i in range(frames.n_frames))
-        assert frames.n_frames >= len(steps)
-    assert shown == pytest.approx((len(steps) + 8) * 1000 / film.FRAMES_A_SECOND, rel=0.05)
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_film_of_an_unknown_kind_or_of_nothing_is_refused(tmp_path: Path) -> None:
-    steps = [snapshot(s) for s in synthetic.growth_states(synthetic.voronoi_mesh(), 2)]
-    with pytest.raises(SceneError, match="at least one step"):
-        film.animate([], tmp_path / "a.gif")
-    with pytest.raises(SceneError, match=r"\.gif or \.mp4"):
-        film.animate(steps, tmp_path / "a.avi")
-
-
-def test_an_mp4_film_is_written_where_ffmpeg_is_and_refused_elsewhere(tmp_path: Path) -> None:
-    steps = [snapshot(s) for s in synthetic.growth_states(synthetic.voronoi_mesh(), 2)]
-    path = tmp_path / "a.mp4"
-    if film.FFMpegWriter.isAvailable():
-        assert b"ftyp" in film.animate(steps, path).read_bytes()[:32]
-    else:
-        with pytest.raises(SceneError, match="ffmpeg"):
-            film.animate(steps, path)
-
-
-def test_the_view_of_a_film_holds_the_whole_crack() -> None:
-    last = snapshot(synthetic.growth_states(synthetic.voronoi_mesh(), 6)[-1])
-    left, right, bottom, top = film.view(last)
-    ends = last.segments[last.broken].reshape(-1, 2)
-    assert left < last.segments[last.kind == Kind.NOTCH][..., 0].max() < right
-    assert ends[:, 0].max() < right
-    assert bottom < ends[:, 1].min() <= ends[:, 1].max() < top
-    assert (top - bottom) >= 0.5 * (right - left) - 1e-9
