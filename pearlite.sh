@@ -196,6 +196,10 @@ install_packages() {
         # shellcheck disable=SC2086
         as_root apt-get -q -q -y --no-install-recommends -o DPkg::Lock::Timeout=300 \
             -o Dpkg::Use-Pty=0 install $missing >&2 || fail "apt-get could not install: $missing"
+        # Where sudo runs it in a terminal of its own, Ctrl-C reaches apt-get alone, which ends with 0.
+        # shellcheck disable=SC2086
+        missing=$(missing_packages $packages)
+        [ -z "$missing" ] || fail "apt-get was stopped before it had installed ${missing% }; call again"
         find_petsc
     fi
     [ -n "${PETSC_DIR:-}" ] ||

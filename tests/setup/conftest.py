@@ -101,6 +101,8 @@ def checkout(tmp_path: Path) -> Checkout:
     return made
 
 
+# Nothing is, until apt-get has been asked to.
+NOT_INSTALLED = '#!/bin/sh\ngrep -qs "apt-get.* -y .*install" "$CALLS" && echo installed\n'
 USER = "#!/bin/sh\necho 1000\n"
 """A stand-in for ``id`` of one who is not root."""
 

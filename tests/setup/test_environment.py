@@ -5,9 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.setup.conftest import USER, Checkout, message
-
-NOT_INSTALLED = "#!/bin/sh\nexit 1\n"
+from tests.setup.conftest import NOT_INSTALLED, USER, Checkout, message
 
 
 def test_first_call_makes_an_environment_that_sees_the_distribution(checkout: Checkout) -> None:
@@ -178,7 +176,7 @@ def test_own_petsc_takes_nothing_from_the_distribution(checkout: Checkout, tmp_p
     assert path.startswith(f"PATH={venv}/bin:{petsc}/arch/bin:")
     assert f"PYTHONPATH={checkout.folder}:{petsc}/arch/lib" in shown
     # The distribution's PETSc is another environment.
-    checkout.stand_in("apt-get", "#!/bin/sh\n")
+    checkout.stand_in("apt-get", '#!/bin/sh\necho "apt-get $*" >>"$CALLS"\n')
     checkout.calls()
     checkout.call("exec", "true")
     assert any("--system-site-packages" in call for call in checkout.calls())

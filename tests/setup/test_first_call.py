@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.setup.conftest import Checkout
-from tests.setup.test_pearlite_sh import NOT_INSTALLED, USER, message
+from tests.setup.conftest import NOT_INSTALLED, USER, Checkout, message
 from tests.terminal import CTRL_C, in_terminal, once
 
 # A sudo that does what it is asked, and lets others know that it did.
@@ -64,6 +63,14 @@ def test_an_interrupted_apt_is_healed_through_sudo(checkout: Checkout) -> None:
     assert heal < update
 
 
+def test_an_apt_that_was_stopped_is_no_success(checkout: Checkout) -> None:
+    checkout.stand_in("dpkg-query", "#!/bin/sh\nexit 1\n")
+    done = checkout.call("setup")
+    assert done.returncode == 1
+    assert "apt-get was stopped before it had installed python3 " in done.stderr.splitlines()[-1]
+    assert done.stderr.splitlines()[-1].endswith("; call again")
+
+
 def test_a_sudo_that_wants_a_password_without_a_terminal_is_one_message(
     checkout: Checkout,
 ) -> None:
@@ -82,7 +89,7 @@ def test_the_size_is_said_before_it_is_fetched(checkout: Checkout) -> None:
     said = 'echo "Reading lists"\necho "Need to get 312 MB of archives."\n'
     checkout.stand_in(
         "apt-get",
-        f'#!/bin/sh\ncase $* in *--assume-no*) {said}exit 1 ;; esac\necho "fetched" >&2\n',
+        f'#!/bin/sh\ncase $* in *--assume-no*) {said}exit 1 ;; esac\necho "apt-get $*" >>"$CALLS"\necho "fetched" >&2\n',
     )
     done = checkout.call("setup")
     assert done.returncode == 0, done.stderr
