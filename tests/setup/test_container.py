@@ -1,7 +1,12 @@
 """The Dockerfile as text: what it copies exists, nobody is root, there is one list of packages."""
 
 import json
+import os
+import re
 import shlex
+import shutil
+import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -60,3 +65,35 @@ def test_container_alone_runs_the_quickstart_into_work() -> None:
     assert command[1] == "/opt/pearlite/runs/quickstart.toml"
     assert command[command.index("--output") + 1].startswith("/work/")
     assert instructions("app", "WORKDIR")[-1] == "/work"
+
+
+@pytest.fixture(scope="module")
+def storage(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where both stages of a release find its minimal root."""
+    return tmp_path_factory.mktemp("images")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stage", ["app", "test"])
+@pytest.mark.parametrize("release", ["trixie", "bookworm"])
+def test_the_image_is_built_and_run_without_an_engine(
+    release: str, stage: str, storage: Path
+) -> None:
+    if os.geteuid() != 0 or not (shutil.which("buildah") and shutil.which("debootstrap")):
+        pytest.skip("needs root, buildah and debootstrap")
+    # Of all checks a short part: the rest does not depend on the image.
+    part = ["tests/mechanics"] if stage == "test" else []
+    done = subprocess.run(
+        [str(ROOT / "tests" / "setup" / "container.sh"), release, stage, *part],
+        env={**os.environ, "CONTAINER_STORAGE": str(storage)},
+        capture_output=True,
+        text=True,
+        timeout=3600,
+    )
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    if stage == "app":
+        assert "5 rows in fcg.csv" in done.stdout
+        size, unit = re.findall(r"built in .* s, ([0-9.]+) (\S+)", done.stdout)[0]
+        assert unit == "MB", f"{size} {unit}"
+    else:
+        assert " passed" in done.stdout
