@@ -5,7 +5,12 @@ import pytest
 from tests.docs.pages import ROOT
 
 ARTICLE, PREPRINT = "10.3390/machines13040305", "10.20944/preprints202503.0141.v1"
-PLACES = ("README.md", "CITATION.cff", "docs/theory.md", "pearlite_petsc/output/report/page.py")
+PLACES = (
+    "README.md",
+    "CITATION.cff",
+    "docs/theory.md",
+    "pearlite_petsc/output/report/reproduce.py",
+)
 
 
 @pytest.mark.parametrize("place", PLACES)
