@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from pearlite_petsc.config import estimated_elements, method_warnings, scene_to_toml
-from pearlite_petsc.ensemble.expected import guessed_seconds
+from pearlite_petsc.ensemble.expected import guessed_seconds, mesh_seconds
 from pearlite_petsc.ensemble.tasks import all_tasks
 from pearlite_petsc.scene import Scene
 
@@ -27,6 +27,8 @@ def dry_run_text(scene: Scene, folder: Path, ranks: int) -> str:
     groups = max(1, ranks // scene.ensemble.ranks_per_task)
     seconds = guessed_seconds(scene, tasks)
     share = max(float(seconds.sum()) / groups, float(seconds.max(initial=0.0)))
+    one = mesh_seconds(scene)
+    meshing = one * max(1.0, len(scene.states) * scene.ensemble.meshes / groups)
     each = BASE_MEGABYTES + KILOBYTES_AN_ELEMENT * elements / scene.ensemble.ranks_per_task / 1e3
     states = len(scene.states)
     lines = [
@@ -36,8 +38,9 @@ def dry_run_text(scene: Scene, folder: Path, ranks: int) -> str:
         f"{len(scene.loading.delta_k)} Delta-K",
         f"elements    about {elements} a mesh, from above ({3 * elements} unknowns)",
         f"memory      about {each * ranks:.0f} MB on {ranks} rank(s)",
-        f"time        about {share:.0f} s on {ranks} rank(s), {scene.ensemble.ranks_per_task} a task; "
-        "figures aside, from the cost of a solve on a core of 2020",
+        f"time        about {share + meshing:.0f} s on {ranks} rank(s), "
+        f"{scene.ensemble.ranks_per_task} a task, of which {meshing:.0f} s for meshes; figures aside, "
+        "from the cost of a solve and of a mesh on a core of 2020",
         *(f"note        {text}" for text in method_warnings(scene)),
     ]
     return "\n".join(lines)

@@ -79,7 +79,10 @@ class LooseClusters:
             element = int(mesh.boundary_elements[np.flatnonzero(loaded)[0]])
             x, y = mesh.centre[element]
             size = int((label == label[element]).sum())
+            right = float(mesh.midpoint[broken, 0].max())
             raise SolverError(
                 f"a cluster of {size} elements about element {element} at ({x:.1f}, {y:.1f}) um is "
-                "cut off and carries boundary load: no equilibrium exists"
+                f"cut off and carries boundary load: no equilibrium exists. Breaks, joined to the "
+                f"crack or not, reach as far as x = {right:.1f} um and close a ring with the window's "
+                "edge"
             )

@@ -72,12 +72,13 @@ class CrackGrowth(Closing):
             self.domain.close()
 
     def steps(self) -> Iterator[Step]:
-        """Yield a step after every block, the last one with its reason. Collective.
+        """Yield a step at N = 0 and one after every block, the last with its reason. Collective.
 
         Raises:
             SolverError: No equilibrium was found; the message names cycle and crack length.
         """
         stop = None
+        at_start = self._record.solves == 0
         while stop is None:
             with _errors_that_say_where(self):
                 elements = self.case.scene.elements
@@ -86,6 +87,10 @@ class CrackGrowth(Closing):
                 if not self._damage.is_solved:
                     self._damage = self._damage.solved(self._solve(self._damage.damage))
                 self._record = with_tip(self._record, self.case, self._body, self._damage)
+            if at_start:
+                at_start = False
+                yield Step(self.cycles, self._body.tracker.tip[0], self._record.solves, None)
+            with _errors_that_say_where(self):
                 block = self._next_block()
                 stop = StopReason.ARRESTED if block is None else self._end(block)
                 if stop is not None:

@@ -82,10 +82,11 @@ def test_crack_goes_on_from_a_checkpoint_bit_for_bit(state: str) -> None:
         steps.append(step)
         checkpoints.append(growth.checkpoint())
     assert steps[-1].stop is not None
+    assert (steps[0].cycles, steps[0].solves) == (0.0, 1)
     whole = growth.outcome(steps[-1].stop)
     growth.close()
     assert whole is not None and whole.history is not None and whole.refinements > 0
-    for checkpoint in checkpoints[1 : -1 : max(len(checkpoints) // 4, 1)]:
+    for checkpoint in checkpoints[0 : -1 : max(len(checkpoints) // 4, 1)]:
         rest = grow(scene, state, checkpoint=checkpoint)
         assert rest.da_dn == whole.da_dn
         assert np.array_equal(rest.history, whole.history)

@@ -67,6 +67,7 @@ def assert_same_fields(folder: Path, reference: Path) -> None:
         assert places[0].read_text() == places[1].read_text()
         mine, theirs = (h5py.File(place.with_suffix(".h5")) for place in places)
         with mine, theirs:
+            assert theirs["step_0"].attrs["cycles"] == 0.0
             found: list[str] = []
             theirs.visit(found.append)
             for item in (theirs[name] for name in found):
