@@ -3,11 +3,11 @@ ARG DEBIAN=trixie
 FROM debian:${DEBIAN}-slim AS base
 WORKDIR /opt/pearlite
 COPY pyproject.toml pearlite.sh ./
-# Half a gigabyte that nothing here loads: documentation, tests, the compiler and headers on which
+# Half a gigabyte that nothing here loads: documentation, the compiler and headers on which
 # Debian 12's PETSc depends, and a runtime for graphics processors on which the network layer of Debian 13's MPI does.
 RUN printf 'path-exclude=%s\n' '/usr/share/doc/*' '/usr/share/man/*' '/usr/share/info/*' \
         '/usr/share/locale/*' '/usr/share/unicode/*' '/usr/lib/*.a' \
-        '/usr/include/*' '/usr/lib/python3/dist-packages/*/tests/*' '/usr/lib/gcc/*/cc1*' \
+        '/usr/include/*' '/usr/lib/gcc/*/cc1*' \
         '/usr/lib/gcc/*/lto*' '/usr/bin/*-lto-dump-*' '/usr/lib/*/libLLVM*' \
         '/usr/lib/*/libamd_comgr*' '/usr/lib/*/libamdhip64*' '/usr/lib/*/libz3.so*' \
         >/etc/dpkg/dpkg.cfg.d/smaller \
