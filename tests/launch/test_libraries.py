@@ -1,12 +1,14 @@
 """petsc4py is found where PETSc is, and one line says what is missing or does not fit."""
 
 import importlib.util
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from pearlite_petsc.launch.libraries import find_petsc4py, unusable_library
+from tests.mpi.launch import environment
 
 
 @pytest.fixture
@@ -59,3 +61,23 @@ def test_a_library_that_does_not_fit_is_one_line() -> None:
     assert "\n" not in text
     assert "numpy.core.multiarray failed to import" in text
     assert "numpy<2" in text
+
+
+@pytest.mark.parametrize("own, found", [(None, "none"), ("cma", "cma")])
+def test_copies_between_processes_are_off_unless_the_user_wants_them(
+    own: str | None, found: str
+) -> None:
+    pytest.importorskip("mpi4py")
+    name = "OMPI_MCA_btl_vader_single_copy_mechanism"
+    known = {key: value for key, value in environment().items() if key != name}
+    code = (
+        f"import os; from pearlite_petsc.world import world; world(); print(os.environ[{name!r}])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=known if own is None else {**known, name: own},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.stdout == f"{found}\n", done.stderr
