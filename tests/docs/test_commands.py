@@ -147,7 +147,8 @@ def follow_page(page: Path, folder: Path) -> None:
     if python:
         (folder / "script.py").write_text("".join(python), encoding="utf-8")
         follow(Block(page.name, 0, "verbatim", "", "python script.py\n"), folder)
-        follow(Block(page.name, 0, "verbatim", "", "mpirun -n 2 python script.py\n"), folder)
+        if page == ROOT / "README.md":
+            follow(Block(page.name, 0, "verbatim", "", "mpirun -n 2 python script.py\n"), folder)
 
 
 @pytest.mark.slow
