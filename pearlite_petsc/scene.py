@@ -58,7 +58,8 @@ class Elements:
     ``refinement`` "follow": fine within ``radius`` of the crack, refined ahead of its tip;
     "corridor": fine where |y - height/2| <= corridor; "uniform": fine everywhere. ``kinds``
     "labels": an interface is a boundary where the labels of its elements differ; "cut": where a
-    boundary runs along it, else what the lamellae make of it that lie there.
+    boundary runs along it, else what the lamellae make of it that lie there. ``wake`` "fine": all
+    elements round a crack keep their size ("follow"); "coarse": those far behind its tip coarsen.
     """
 
     width: float
@@ -70,6 +71,7 @@ class Elements:
     refinement: Literal["follow", "corridor", "uniform"]
     radius: float
     kinds: Kinds
+    wake: Literal["fine", "coarse"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -137,6 +137,7 @@ def _elements() -> Table:
                 "labels",
                 "cut",
             ),
+            word("wake", 'elements far behind the tip ("follow")', "fine", "coarse"),
         ),
     )
 

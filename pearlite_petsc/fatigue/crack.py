@@ -1,9 +1,12 @@
 """The crack: broken interfaces that hang together with the notch, followed as they break."""
 
 import heapq
+import itertools
 import math
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -19,6 +22,22 @@ Interface = tuple[Sequence[int], Sequence[int], Sequence[Sequence[float]]]
 """Elements on both sides, junctions at both ends, and where those are [um]."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """A piece of the crack between two junctions.
+
+    Attributes:
+        start, end: The junctions, the one nearer the notch's tip first.
+        points: Where it runs [um]; (p, 2).
+        kind: "broken" interface, "ligament" of one element, or "run" of the wake.
+    """
+
+    start: int
+    end: int
+    points: FloatArray
+    kind: Literal["broken", "ligament", "run"]
+
+
 class CrackTracker:
     """Ways from the notch's tip along broken interfaces, updated and never recomputed.
 
@@ -31,9 +50,10 @@ class CrackTracker:
     Args:
         notch: Tip of the notch [um].
         root: Junction of the notch's tip.
+        broken: Broken interfaces that runs of the wake stand for.
     """
 
-    def __init__(self, notch: Point, root: int) -> None:
+    def __init__(self, notch: Point, root: int, broken: int = 0) -> None:
         self._position: dict[int, Point] = {root: notch}
         self._edges: dict[int, list[tuple[int, float]]] = {root: []}
         self._cost: dict[int, float] = {root: 0.0}
@@ -41,7 +61,45 @@ class CrackTracker:
         self._of_element: defaultdict[int, set[int]] = defaultdict(set)
         self._root = self._tip = root
         self._tips: dict[tuple[int, ...], Point] = {}
-        self.broken = 0
+        self._runs: dict[tuple[int, int], FloatArray] = {}
+        self.broken = broken
+
+    def add_run(self, start: int, end: int, points: FloatArray) -> None:
+        """Add a run of the crack whose interfaces are not known any more.
+
+        Args:
+            start, end: Junctions at its ends.
+            points: Where it runs [um]; (p, 2).
+        """
+        for junction, (x, y) in ((start, points[0].tolist()), (end, points[-1].tolist())):
+            self._position.setdefault(junction, (x, y))
+        self._runs[start, end], self._runs[end, start] = points, points[::-1]
+        cost = float(np.hypot(*np.diff(points, axis=0).T).sum())
+        self._edges.setdefault(start, []).append((end, cost))
+        self._edges.setdefault(end, []).append((start, cost))
+        self._relax([start, end], move_tip=True)
+
+    def ways_to(self, reach: float) -> list[Way]:
+        """Return all pieces of the ways to the tip and to what lies no further from it than a reach.
+
+        Args:
+            reach: [um].
+        """
+        here = self.tip
+        wanted = [
+            junction
+            for junction in self._cost
+            if math.dist(self._position[junction], here) <= reach or junction == self._tip
+        ]
+        seen = {self._root}
+        ways = []
+        for junction in wanted:
+            while junction not in seen:
+                seen.add(junction)
+                before = self._parent[junction]
+                ways.append(self._piece(before, junction))
+                junction = before
+        return ways
 
     def add(
         self, pairs: IntArray, junctions: IntArray, ends: FloatArray, *, notch: bool = False
@@ -108,7 +166,7 @@ class CrackTracker:
 
     def crack(self) -> Crack:
         """Return the crack as it is."""
-        path = np.array([self._position[junction] for junction in self._way()])
+        path = self._path()
         return Crack(self.tip[0], self.tip, path, self.path_length, self.broken)
 
     @property
@@ -119,8 +177,23 @@ class CrackTracker:
     @property
     def path_length(self) -> float:
         """Length of the shortest way from the notch's tip to the crack's [um]."""
-        points = [self._position[junction] for junction in self._way()]
+        points = self._path().tolist()
         return sum(map(math.dist, points[:-1], points[1:]))
+
+    def _path(self) -> FloatArray:
+        """Return the vertices of the way to the tip [um]; (p, 2)."""
+        way = self._way()
+        parts = [self._piece(*step).points[1:] for step in itertools.pairwise(way)]
+        return np.concatenate([np.array([self._position[way[0]]]), *parts])
+
+    def _piece(self, start: int, end: int) -> Way:
+        points = self._runs.get((start, end))
+        if points is not None:
+            return Way(start, end, points, "run")
+        points = np.array([self._position[start], self._position[end]])
+        cost = self._cost[end] - self._cost[start]
+        crossed = cost > 0.5 * LIGAMENT_DETOUR * math.dist(*points.tolist())
+        return Way(start, end, points, "ligament" if crossed else "broken")
 
     def _way(self) -> list[int]:
         way = [self._tip]

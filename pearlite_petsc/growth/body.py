@@ -17,7 +17,10 @@ from pearlite_petsc.growth.domain import Domain, Edges
 from pearlite_petsc.growth.load import TipLoad, softening_tip
 from pearlite_petsc.growth.ranks import on_first_rank
 from pearlite_petsc.growth.refinement import notch_tip
+from pearlite_petsc.growth.wake import is_near_tip
 from pearlite_petsc.scene import Kind
+from pearlite_petsc.tessellation.wake import Wake
+from pearlite_petsc.tessellation.wake_facets import run_ends
 
 ACTIVE_DAMAGE = 0.05
 """Unbroken interfaces with more damage belong to the crack's front."""
@@ -28,6 +31,7 @@ class CrackedBody:
 
     Attributes:
         domain: The mesh on the ranks; it stays its maker's to close.
+        wake: As below.
         tracker: The crack.
         coupling: What couples the interfaces that soften together.
 
@@ -35,12 +39,15 @@ class CrackedBody:
         domain: As above.
         case: Load range, state of the steel, damage constants.
         damage: D of this rank's interfaces, read-only from now on; what is broken is the crack; (k,).
+        wake: The crack where its elements have coarsened.
     """
 
-    def __init__(self, domain: Domain, case: CrackCase, damage: FloatArray) -> None:
-        self.domain, self._case = domain, case
+    def __init__(
+        self, domain: Domain, case: CrackCase, damage: FloatArray, wake: Wake | None = None
+    ) -> None:
+        self.domain, self.wake, self._case = domain, wake, case
         self._intact: BoolArray = damage < 1.0
-        self.tracker = _tracker(domain, ~self._intact)
+        self.tracker = _tracker(domain, ~self._intact, wake)
         whole = domain.gather(damage)
         self._loose = on_first_rank(domain.comm, lambda: _loose(domain, whole))
         self._load = TipLoad(case, domain.subdomain)
@@ -125,6 +132,9 @@ class CrackedBody:
     def front(self, damage: FloatArray) -> FloatArray:
         """Return what must lie well inside the fine zone on this rank [um]; (p, 2)."""
         chosen = (damage > ACTIVE_DAMAGE) & (damage < 1.0)
+        elements = self._case.scene.elements
+        if elements.wake == "coarse":
+            chosen &= is_near_tip(self.domain.subdomain.midpoint, self.tracker.tip, elements)
         return np.vstack([self.domain.subdomain.midpoint[chosen], self.tracker.tip])
 
     def loose(self) -> BoolArray | None:
@@ -138,11 +148,19 @@ class CrackedBody:
         return self._loose
 
 
-def _tracker(domain: Domain, broken: BoolArray) -> CrackTracker:
+def _tracker(domain: Domain, broken: BoolArray, wake: Wake | None) -> CrackTracker:
     """Return the crack of broken interfaces, the notch's first. Collective."""
     tip = None if domain.mesh is None else notch_tip(domain.mesh)
-    tracker = CrackTracker(*domain.comm.bcast(tip))
+    notch, root = domain.comm.bcast(tip)
+    tracker = CrackTracker(notch, root, 0 if wake is None else len(wake.pairs))
     of_notch = domain.subdomain.kind == Kind.NOTCH
+    if wake is not None:
+        ends = None if domain.mesh is None else run_ends(domain.mesh, wake)
+        for (start, end), run in zip(domain.comm.bcast(ends), wake.runs, strict=True):
+            if start != end:
+                tracker.add_run(start, end, run)
+        # The facets of the wake are the runs', which know the way better.
+        broken = broken & ~(of_notch & _off_notch(domain, notch))
     for notch in (True, False):
         edges = domain.edges(np.flatnonzero(broken & (of_notch == notch)))
         tracker.add(edges.elements, edges.junctions, edges.ends, notch=notch)
@@ -152,3 +170,9 @@ def _tracker(domain: Domain, broken: BoolArray) -> CrackTracker:
 def _loose(domain: Domain, damage: FloatArray | None) -> LooseClusters:
     assert domain.mesh is not None and damage is not None
     return LooseClusters(domain.mesh, damage >= 1.0)
+
+
+def _off_notch(domain: Domain, tip: Point) -> BoolArray:
+    """Return the interfaces that are not on the notch's line up to its tip; (k,)."""
+    x, y = domain.subdomain.ends.reshape(-1, 2, 2).transpose(2, 0, 1)
+    return np.asarray((y != tip[1]).any(axis=1) | (x.mean(axis=1) > tip[0]))

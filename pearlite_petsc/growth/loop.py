@@ -145,7 +145,15 @@ class CrackGrowth(Closing):
         loose, crack = _there(body.loose()), body.tracker.crack()
         record = self._record.now(domain.equilibrium.counters, perf_counter() - self._started)
         return outcome_of(
-            self.case, stop, record, domain.mesh, crack, self.cycles, _there(damage), loose
+            self.case,
+            stop,
+            record,
+            domain.mesh,
+            crack,
+            self.cycles,
+            _there(damage),
+            loose,
+            body.wake,
         )
 
     def checkpoint(self) -> Checkpoint | None:
@@ -238,7 +246,8 @@ class CrackGrowth(Closing):
         with ExitStack() as stack:
             new = stack.enter_context(Domain(self.comm, scene, mesh, ratio, carried.damage))
             self._damage = carried.on_interfaces(new.scatter)
-            self._body = CrackedBody(new, self.case, self._damage.damage)
+            wake = self._refinement.wake
+            self._body = CrackedBody(new, self.case, self._damage.damage, wake)
             stack.pop_all()
         self._owns_domain = True
 

@@ -15,6 +15,7 @@ from pearlite_petsc.growth.refinement import interface_pairs
 from pearlite_petsc.mechanics.tip_fields import TipFields
 from pearlite_petsc.scene import Kind
 from pearlite_petsc.tessellation.mesh import Mesh
+from pearlite_petsc.tessellation.wake import Wake
 
 _UNKNOWN_TIP = (math.nan, math.nan, math.nan)
 
@@ -94,6 +95,7 @@ def outcome_of(
     cycles: float,
     damage: FloatArray,
     loose: BoolArray,
+    wake: Wake | None = None,
 ) -> Outcome:
     """Return the outcome of a crack.
 
@@ -106,13 +108,16 @@ def outcome_of(
         cycles: N at the end.
         damage: D of the mesh's interfaces; (k,).
         loose: Elements that hang on no load-bearing interface; (n,).
+        wake: The crack where its elements have coarsened.
     """
     extension = crack.length - record.start_length
     history = record.history
     if history[-1, 0] < cycles:
         history = np.vstack([history, [cycles, *history[-1, 1:]]])
     long_enough = extension >= case.scene.microstructure.colony
-    broken = (damage >= 1.0) & (mesh.kind != Kind.NOTCH)
+    pairs = interface_pairs(mesh, (damage >= 1.0) & (mesh.kind != Kind.NOTCH))
+    if wake is not None:
+        pairs = np.unique(np.concatenate([pairs, wake.pairs]), axis=0)
     # A crack that stands still has no rate: the slope until then says nothing of its life.
     rate = (
         math.nan if stop is StopReason.ARRESTED else slope(*history[advances(history[:, 1]), :2].T)
@@ -134,5 +139,5 @@ def outcome_of(
         elements=mesh.element_count,
         history=history,
         path=crack.path,
-        broken_pairs=interface_pairs(mesh, broken),
+        broken_pairs=pairs,
     )

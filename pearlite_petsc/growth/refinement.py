@@ -9,6 +9,7 @@ from pearlite_petsc.fatigue.damage_state import DamageState, notched
 from pearlite_petsc.scene import Kind
 from pearlite_petsc.tessellation.build import Substrate, tessellate
 from pearlite_petsc.tessellation.mesh import Mesh
+from pearlite_petsc.tessellation.wake import Wake
 from pearlite_petsc.tessellation.zone import NOWHERE, FineZone
 
 CARRIED_DAMAGE = 1e-3
@@ -27,14 +28,16 @@ class Refinement:
         zone: The fine zone.
         kept: Nuclei of earlier meshes that must stay, known on rank 0; (n,). None for the first
             mesh.
+        wake: The crack where its elements may coarsen, None where none may.
     """
 
     zone: FineZone
     kept: IntArray | None = None
+    wake: Wake | None = None
 
     def mesh(self, substrate: Substrate) -> Mesh:
         """Return the mesh."""
-        return tessellate(substrate, self.zone, self.kept)
+        return tessellate(substrate, self.zone, self.kept, self.wake)
 
     def is_near_coarse(self, front: FloatArray, radius: float) -> bool:
         """Return whether a front's points (p, 2) come too close to coarse elements [um].
@@ -64,9 +67,13 @@ def zone_over(front: FloatArray, radius: float) -> FineZone:
     return NOWHERE.with_discs(centres, radius)
 
 
-def kept_nuclei(mesh: Mesh, damage: FloatArray) -> IntArray:
-    """Return the nuclei that must stay: all elements round damaged interfaces."""
-    hurt = (damage > CARRIED_DAMAGE) & (mesh.kind != Kind.NOTCH)
+def damaged_interfaces(mesh: Mesh, damage: FloatArray) -> BoolArray:
+    """Return the interfaces whose damage D (k,) is worth carrying over; (k,)."""
+    return np.asarray((damage > CARRIED_DAMAGE) & (mesh.kind != Kind.NOTCH))
+
+
+def kept_nuclei(mesh: Mesh, hurt: BoolArray) -> IntArray:
+    """Return the nuclei that must stay: all elements round some interfaces (k,)."""
     vertices = np.zeros(len(mesh.vertices), dtype=bool)
     vertices[mesh.interface_vertices[hurt].ravel()] = True
     element = np.repeat(np.arange(mesh.element_count), np.diff(mesh.offsets))
@@ -74,7 +81,7 @@ def kept_nuclei(mesh: Mesh, damage: FloatArray) -> IntArray:
     near[element[vertices[mesh.vertex_indices]]] = True
     near[mesh.interface_elements[hurt].ravel()] = True
     nuclei: IntArray = mesh.nucleus[near]
-    return nuclei
+    return nuclei[nuclei >= 0]
 
 
 def carry_over(old: Mesh, new: Mesh, values: FloatArray, default: FloatArray) -> FloatArray:
@@ -89,7 +96,10 @@ def carry_over(old: Mesh, new: Mesh, values: FloatArray, default: FloatArray) ->
     order = np.argsort(key_old)
     place = np.searchsorted(key_old, key_new, sorter=order)
     place = order[np.minimum(place, len(order) - 1)]
-    return np.where(key_old[place] == key_new, values[place], default)
+    # What a mesh has cut it knows no damage of: the notch's interfaces and those of the wake.
+    same = (key_old[place] == key_new) & (key_new >= 0)
+    same &= (old.kind[place] != Kind.NOTCH) & (new.kind != Kind.NOTCH)
+    return np.where(same, values[place], default)
 
 
 def carry_damage_over(
@@ -111,7 +121,7 @@ def carry_damage_over(
 
 
 def interface_keys(mesh: Mesh) -> IntArray:
-    """Return one number per interface that names its two nuclei; (k,)."""
+    """Return one number per interface that names its two nuclei, negative where one is of no lattice; (k,)."""
     nuclei = np.sort(mesh.nucleus[mesh.interface_elements], axis=1)
     return np.asarray(nuclei[:, 0] * (np.int64(1) << 32) + nuclei[:, 1])
 

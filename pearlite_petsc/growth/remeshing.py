@@ -1,8 +1,11 @@
 """When a crack needs another mesh, and which one."""
 
+from dataclasses import replace
+
 import numpy as np
 from mpi4py import MPI
 
+from pearlite_petsc.arrays import FloatArray, IntArray
 from pearlite_petsc.fatigue.damage_state import DamageState
 from pearlite_petsc.growth.body import CrackedBody
 from pearlite_petsc.growth.prepared import Prepared
@@ -10,11 +13,14 @@ from pearlite_petsc.growth.ranks import on_first_rank
 from pearlite_petsc.growth.refinement import (
     Refinement,
     carry_damage_over,
+    damaged_interfaces,
     kept_nuclei,
     zone_over,
 )
+from pearlite_petsc.growth.wake import crack_wake, lost_pairs, staying_interfaces
 from pearlite_petsc.scene import Elements
 from pearlite_petsc.tessellation.mesh import Mesh
+from pearlite_petsc.tessellation.wake import Wake
 
 
 def needs_another_mesh(
@@ -55,8 +61,31 @@ def next_mesh(
         old = domain.mesh
         assert prepared is not None and old is not None
         assert whole is not None and failure_cycles is not None
-        refinement = Refinement(zone, kept_nuclei(old, whole))
+        refinement = Refinement(zone, *_carried(elements, body, old, whole))
         mesh = refinement.mesh(prepared.substrate)
+        if refinement.wake is not None:
+            pairs = [refinement.wake.pairs, lost_pairs(old, mesh, whole)]
+            wake = replace(refinement.wake, pairs=np.concatenate(pairs))
+            refinement = replace(refinement, wake=wake)
         return refinement, mesh, carry_damage_over(old, mesh, carried, whole, failure_cycles)
 
-    return on_first_rank(domain.comm, made) or (Refinement(zone), None, carried)
+    refinement, mesh, carried = on_first_rank(domain.comm, made) or (
+        Refinement(zone),
+        None,
+        carried,
+    )
+    wake = domain.comm.bcast(refinement.wake)
+    return replace(refinement, wake=wake), mesh, carried
+
+
+def _carried(
+    elements: Elements, body: CrackedBody, mesh: Mesh, damage: FloatArray
+) -> tuple[IntArray, Wake | None]:
+    """Return the nuclei that stay, and the wake in place of the others."""
+    if elements.wake == "fine":
+        return kept_nuclei(mesh, damaged_interfaces(mesh, damage)), None
+    wake = crack_wake(body.tracker, mesh.notch, elements)
+    staying = staying_interfaces(mesh, damage, wake, body.tracker.tip, elements)
+    fixed = mesh.vertices[np.unique(mesh.interface_vertices[staying])]
+    pairs = np.empty((0, 2), dtype=np.int64) if body.wake is None else body.wake.pairs
+    return kept_nuclei(mesh, staying), replace(wake, fixed=fixed, pairs=pairs)

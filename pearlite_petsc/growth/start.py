@@ -72,7 +72,7 @@ def from_checkpoint(
         whole = saved.damage.damage
         domain = stack.enter_context(Domain(comm, case.scene, mesh, ratio, whole))
         local = saved.scattered(domain)
-        body = CrackedBody(domain, case, local.damage.damage)
+        body = CrackedBody(domain, case, local.damage.damage, local.refinement.wake)
         domain.equilibrium.restore(local.equilibrium)
         if local.coupling is not None:
             body.coupling.restore(local.coupling)

@@ -1,28 +1,29 @@
 """From a scene to a mesh: one substrate a microstructure, any number of graded meshes of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pearlite_petsc.arrays import BoolArray, FloatArray, IntArray
 from pearlite_petsc.errors import MeshError
 from pearlite_petsc.microstructure.labels import LabelMap, make_label_map
-from pearlite_petsc.scene import Elements, Scene, State, Window
+from pearlite_petsc.scene import Elements, Kind, Scene, State, Window
 from pearlite_petsc.tessellation.affine import affine_mesh
 from pearlite_petsc.tessellation.assemble import Labels, assemble
 from pearlite_petsc.tessellation.curve import hilbert_order
+from pearlite_petsc.tessellation.grading import notch_guard, spacing_factor
 from pearlite_petsc.tessellation.levels import GROWTH, coarsening_levels, level_of
 from pearlite_petsc.tessellation.mesh import Mesh
 from pearlite_petsc.tessellation.notch import NotchGapError
-from pearlite_petsc.tessellation.nuclei import fine_nuclei, notch_band
+from pearlite_petsc.tessellation.nuclei import fine_nuclei
 from pearlite_petsc.tessellation.voronoi import bounded_voronoi
+from pearlite_petsc.tessellation.wake import SpacingAt, Wake
+from pearlite_petsc.tessellation.wake_facets import wake_facets
+from pearlite_petsc.tessellation.wake_nuclei import WakeNuclei, wake_nuclei
 from pearlite_petsc.tessellation.zone import FineZone, initial_zone
 
 FEWEST = 10
 """Least number of elements of a mesh."""
-
-FLANK_FACTOR, FLANK_GROWTH = 2.0, 0.3
-"""Coarsest spacing along the notch, as a multiple of the fine one, and its growth per um."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,7 +121,7 @@ def prepare(scene: Scene, state: State, index: int) -> Substrate:
         block,
         colony,
         label_map.lamella_angle[colony],
-        _notch_guard(points, window, elements),
+        notch_guard(points, window, elements),
     )
 
 
@@ -133,13 +134,16 @@ def build_mesh(scene: Scene, state: State, index: int) -> Mesh:
     return tessellate(prepare(scene, state, index), initial_zone(scene))
 
 
-def tessellate(substrate: Substrate, zone: FineZone, keep: IntArray | None = None) -> Mesh:
+def tessellate(
+    substrate: Substrate, zone: FineZone, keep: IntArray | None = None, wake: Wake | None = None
+) -> Mesh:
     """Return a mesh that is fine in a zone and coarsens away from it.
 
     Args:
         substrate: Microstructure and nuclei.
         zone: Where the resolution is full.
         keep: Numbers of nuclei that stay whatever their distance, those of damaged interfaces.
+        wake: The crack where its elements may coarsen; its facets are of the kind of the notch.
 
     Returns:
         The mesh; under affine shear, which knows no grading, always the same one.
@@ -150,22 +154,31 @@ def tessellate(substrate: Substrate, zone: FineZone, keep: IntArray | None = Non
     if substrate.affine is not None:
         return substrate.affine
     elements = substrate.elements
-    factor = 1.0 + elements.coarsening * zone.distance(substrate.points)
+    factor = spacing_factor(elements, zone, wake, substrate.points)
     fine = factor <= 1.0
-    factor = np.minimum(np.minimum(factor, substrate.guard), max(elements.coarsest, 1.0))
+    factor = np.minimum(factor, substrate.guard)
     chosen = substrate.level >= level_of(factor, elements.coarsest)
     if keep is not None:
         chosen[keep] = fine[keep] = True
     # A zone that is not symmetric must not take one half of a mirror pair alone.
     mirrored = np.flatnonzero(substrate.partner >= 0)
     chosen[mirrored] |= chosen[substrate.partner[mirrored]]
+    spacing_at = _spacing_at(substrate, zone, wake)
+    along = None
+    if wake is not None:
+        stays = substrate.partner >= 0
+        if keep is not None:
+            stays[keep] = True
+        along = wake_nuclei(wake, spacing_at, substrate.points[chosen & stays], elements.length)
+        free = np.flatnonzero(chosen & ~stays)
+        chosen[free[along.spoiled_by(substrate.points[free])]] = False
     reach = 1.5 * np.maximum(substrate.spacing * GROWTH * factor, elements.length)
     while True:
         nucleus = np.flatnonzero(chosen).astype(np.int64)
         if len(nucleus) < FEWEST:
             raise MeshError(f"mesh has {len(nucleus)} elements, at least {FEWEST} are needed")
         try:
-            return _mesh(substrate, nucleus, reach[nucleus], fine[nucleus])
+            mesh = _mesh(substrate, nucleus, reach[nucleus], fine[nucleus], along)
         except NotchGapError as gap:
             # A nucleus without an image lies closest there: mirror pairs between it and the line.
             x = substrate.points[:, 0]
@@ -173,6 +186,23 @@ def tessellate(substrate: Substrate, zone: FineZone, keep: IntArray | None = Non
             if not (near & ~chosen).any():
                 raise
             chosen |= near
+        else:
+            break
+    if wake is None or along is None:
+        return mesh
+    cut = wake_facets(mesh, wake, along.lines, spacing_at)
+    return replace(mesh, kind=np.where(cut, int(Kind.NOTCH), mesh.kind))
+
+
+def _spacing_at(substrate: Substrate, zone: FineZone, wake: Wake | None) -> SpacingAt:
+    """Return the spacing of the nuclei as a function of the place."""
+    elements, window = substrate.elements, substrate.window
+
+    def spacing_at(points: FloatArray) -> FloatArray:
+        guard = notch_guard(points, window, elements)
+        return substrate.spacing * np.minimum(spacing_factor(elements, zone, wake, points), guard)
+
+    return spacing_at
 
 
 def _affine_substrate(scene: Scene, state: State, index: int, label_map: LabelMap) -> Substrate:
@@ -200,42 +230,48 @@ def _affine_substrate(scene: Scene, state: State, index: int, label_map: LabelMa
     )
 
 
-def _notch_guard(points: FloatArray, window: Window, elements: Elements) -> FloatArray:
-    """Return the spacing factor up to which the notch stays straight and its tip where it is.
-
-    Elements at the notch must find their neighbours inside the band of mirror nuclei, and
-    refinement must not move the tip.
-    """
-    away = np.hypot(
-        np.maximum(points[:, 0] - window.notch, 0.0), points[:, 1] - 0.5 * window.height
-    )
-    tip = np.hypot(points[:, 0] - window.notch, points[:, 1] - 0.5 * window.height)
-    flank = FLANK_FACTOR + FLANK_GROWTH * np.maximum(away - notch_band(elements), 0.0)
-    return np.minimum(flank, 1.0 + FLANK_GROWTH * np.maximum(tip - 2.0 * elements.length, 0.0))
-
-
-def _mesh(substrate: Substrate, nucleus: IntArray, reach: FloatArray, fine: BoolArray) -> Mesh:
+def _mesh(
+    substrate: Substrate,
+    nucleus: IntArray,
+    reach: FloatArray,
+    fine: BoolArray,
+    along: WakeNuclei | None = None,
+) -> Mesh:
     window, centre = substrate.window, substrate.points[nucleus]
+    grain, block, colony = (
+        labels[nucleus]
+        for labels in (substrate.prior_austenite_grain, substrate.block, substrate.colony)
+    )
+    if along is not None and len(along.points):
+        count = len(along.points)
+        order = hilbert_order(np.concatenate([centre, along.points]))
+        centre = np.concatenate([centre, along.points])[order]
+        # Negative: no interface of theirs is one of the microstructure.
+        nucleus = np.concatenate([nucleus, -1 - np.arange(count)])[order]
+        reach = np.concatenate([reach, 3.0 * along.spacing])[order]
+        fine = np.concatenate([fine, np.zeros(count, dtype=np.bool_)])[order]
+        grain, block, colony = (
+            np.concatenate(both)[order]
+            for both in zip(
+                (grain, block, colony), substrate.label_map.labels(along.points), strict=True
+            )
+        )
     diagram = bounded_voronoi(centre, window.width, window.height, reach)
     pairs = diagram.pairs
-    mirrored = substrate.partner[nucleus[pairs[:, 0]]] == nucleus[pairs[:, 1]]
+    partner = np.where(nucleus >= 0, substrate.partner[nucleus], -1)
+    mirrored = partner[pairs[:, 0]] == nucleus[pairs[:, 1]]
+    mirrored &= nucleus[pairs[:, 1]] >= 0
     # Mirror pairs share a facet on the notch line up to rounding.
     diagram.vertices[diagram.facets[mirrored].ravel(), 1] = 0.5 * window.height
     gap = centre[pairs[:, 1]] - centre[pairs[:, 0]]
     normal = gap / np.hypot(gap[:, 0], gap[:, 1])[:, None]
-    labels = Labels(
-        substrate.prior_austenite_grain[nucleus],
-        substrate.block[nucleus],
-        substrate.colony[nucleus],
-        substrate.lamella_angle[nucleus],
-    )
     made_from = substrate.state.name, substrate.index, substrate.seed
     return assemble(
         diagram,
         centre,
         normal,
         mirrored,
-        labels,
+        Labels(grain, block, colony, substrate.label_map.lamella_angle[colony]),
         nucleus,
         fine,
         window,

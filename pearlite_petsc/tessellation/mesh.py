@@ -24,7 +24,8 @@ class Mesh:
         offsets, vertex_indices: Polygon i is vertex_indices[offsets[i]:offsets[i + 1]]; (n + 1,), (.,).
         colony, block, prior_austenite_grain: Labels; (n,).
         lamella_angle: In [0, pi) [rad]; (n,).
-        nucleus: Number of the nucleus in the uniformly fine lattice of this microstructure; (n,).
+        nucleus: Number of the nucleus in the uniformly fine lattice of this microstructure, negative
+            for those along the wake of a crack, which are no part of it; (n,).
         fine: Whether the element belongs to the fine zone; (n,).
         interface_elements: Elements i < j of each interface; (k, 2).
         interface_vertices: (k, 2).

@@ -56,6 +56,24 @@ def test_more_ranks_a_task_break_the_same_interfaces(
         assert mine.da_dn == pytest.approx(other.da_dn, rel=1e-6)
 
 
+def test_two_ranks_that_share_a_crack_with_a_coarse_wake_agree_with_one(tmp_path: Path) -> None:
+    coarse = (
+        *("--set", "elements.wake=coarse", "--set", "elements.radius_um=10"),
+        *("--set", "window.width_um=120", "--set", "loading.extension_um=45"),
+        *("--set", "loading.delta_k_mpa_sqrt_m=[18.0]"),
+    )
+    folders = tmp_path / "one", tmp_path / "two"
+    for ranks, folder in zip((1, 2), folders, strict=True):
+        folder.mkdir()
+        done = run(ranks, folder, "--ranks-per-task", ranks, *coarse)
+        assert done.returncode == 0, done.stderr
+    alone, shared = (outcomes(folder) for folder in folders)
+    for mine, other in zip(shared, alone, strict=True):
+        assert mine.extension > 45.0 or mine.state == "moderate_TA"
+        assert np.array_equal(mine.broken_pairs, other.broken_pairs)
+        assert mine.da_dn == pytest.approx(other.da_dn, rel=1e-6)
+
+
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_half_cycles_are_for_one_rank_alone(ranks: int, tmp_path: Path) -> None:
     loose = ("--set", "solver.method=iterative", "--set", "solver.relative_tolerance=1e-6")
