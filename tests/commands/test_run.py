@@ -173,7 +173,6 @@ TRUNCATED = st.tuples(st.integers(0, len(PRESET.read_bytes())), st.binary(max_si
 CONTENTS = st.one_of(st.binary(max_size=200), TRUNCATED)
 MANY = settings(
     max_examples=250,
-    deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,
 )

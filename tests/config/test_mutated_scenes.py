@@ -47,9 +47,7 @@ VALUES = st.one_of(
     st.floats(0.01, 300.0).map(repr),
     st.text(max_size=12),
 )
-MANY = settings(
-    max_examples=250, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+MANY = settings(max_examples=250, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 def scene_or_one_line(load: Any, *arguments: Any) -> None:

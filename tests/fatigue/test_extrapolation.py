@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -132,7 +132,6 @@ def test_a_larger_constant_only_scales_the_cycles(model: RateModel) -> None:
     )
 
 
-@settings(deadline=None)
 @pytest.mark.parametrize("model", MODELS)
 @given(
     st.lists(

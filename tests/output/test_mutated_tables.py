@@ -113,7 +113,7 @@ def points_or_message(text: str) -> list[tuple[str, float, float]] | str:
         return str(error)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(
     st.lists(points, min_size=1, max_size=6),
     st.permutations([*COLUMNS, "note"]),
