@@ -1,5 +1,6 @@
 """The run command with a fault built in: ``faulty_run.py FAULT ARGS…``; started by the tests."""
 
+import atexit
 import importlib
 import resource
 import signal
@@ -39,6 +40,10 @@ def allow_files_of(size: int) -> None:
     """Do what the file system does when it is full, without filling one."""
     # MPI has its files by now.
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    # What measures the coverage writes its file after the run.
+    atexit.register(
+        resource.setrlimit, resource.RLIMIT_FSIZE, resource.getrlimit(resource.RLIMIT_FSIZE)
+    )
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
 
 
