@@ -26,7 +26,7 @@ from pearlite_petsc.exit_status import ExitStatus
 from pearlite_petsc.growth.ranks import on_first_rank
 from pearlite_petsc.launch.display import Screen, Standing, clock
 from pearlite_petsc.output.experiment import Experiment
-from pearlite_petsc.output.provenance import provenance
+from pearlite_petsc.output.provenance import ended_now, provenance
 from pearlite_petsc.scene import Scene
 from pearlite_petsc.solver.petsc_build import petsc_facts
 from pearlite_petsc.solver.unused import unused_options, unused_text
@@ -80,6 +80,7 @@ class Session:
         self._started, self._request, self._screen = started, request, screen
         self._first = world.rank == 0
         self._before = 0
+        self._facts: dict[str, Any] = {}
         self._began = datetime.now().astimezone()
 
     def run(self) -> int:
@@ -208,6 +209,8 @@ class Session:
             self._say(f"note: {text}")
 
     def _provenance(self) -> dict[str, Any]:
+        if self._facts:
+            return ended_now(self._facts)
         facts = petsc_facts()
         mpi = MPI.Get_library_version().split("\n")[0].rstrip("\0")
         found = provenance(
@@ -218,7 +221,9 @@ class Session:
             {**facts, "mpi": mpi},
             self._world.size,
         )
-        return found | {"laws": laws_of_scene(self._scene)}
+        # Once: the source may change while the run goes on, and git takes its time.
+        self._facts = found | {"laws": laws_of_scene(self._scene)}
+        return self._facts
 
     def _refuse_different_scenes(self) -> None:
         """Check that all ranks have read the same files. Collective.

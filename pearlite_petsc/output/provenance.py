@@ -53,6 +53,13 @@ def provenance(
     }
 
 
+def ended_now(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a provenance whose run ends now, the rest as it was found at the first look."""
+    started, now = datetime.fromisoformat(content["started"]), datetime.now().astimezone()
+    ended = now.isoformat(timespec="seconds")
+    return {**content, "ended": ended, "wall_s": round((now - started).total_seconds(), 3)}
+
+
 def write_provenance(path: Path, content: Mapping[str, Any]) -> None:
     """Write ``provenance.json``."""
     with whole_file(path) as partial:

@@ -12,7 +12,12 @@ import pytest
 from pearlite_petsc.config import load_scene_text
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.fatigue.outcome import Outcome, StopReason
-from pearlite_petsc.output.provenance import provenance, source_state, write_provenance
+from pearlite_petsc.output.provenance import (
+    ended_now,
+    provenance,
+    source_state,
+    write_provenance,
+)
 from pearlite_petsc.output.results import read_results, write_results
 from pearlite_petsc.output.snapshot import read_snapshots
 from pearlite_petsc.output.tables import (
@@ -171,3 +176,15 @@ def test_provenance_names_versions_times_and_seeds_and_is_json(tmp_path: Path) -
 
 def test_a_folder_without_git_has_no_commit(tmp_path: Path) -> None:
     assert source_state(tmp_path) == {"commit": None, "changed": None}
+
+
+def test_a_provenance_that_ends_now_keeps_what_was_found_at_the_start() -> None:
+    start = datetime.now().astimezone() - timedelta(seconds=90)
+    first = provenance(["run"], start, start, {}, {}, 1)
+    now = ended_now(first)
+    assert 89.0 < now["wall_s"] < 150.0
+    assert now["ended"] > first["ended"]
+    changed = {"ended", "wall_s"}
+    assert {k: v for k, v in now.items() if k not in changed} == {
+        k: v for k, v in first.items() if k not in changed
+    }
