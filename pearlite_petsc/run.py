@@ -136,7 +136,8 @@ def _start(
 
             # Whatever imports PETSc first starts it, so this comes before all that computes.
             initialize_petsc(petsc)
-        except ImportError as error:
+        except (ImportError, ValueError) as error:
+            # numpy's is a ValueError where it is not the one that petsc4py was built for.
             text = unusable_library(error)
             return _end(channel, screen, ExitStatus.BROKEN, text, is_first_rank())
         try:

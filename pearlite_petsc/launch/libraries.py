@@ -40,7 +40,7 @@ def missing_libraries() -> str:
     )
 
 
-def unusable_library(error: ImportError) -> str:
+def unusable_library(error: Exception) -> str:
     """Return in one line why a module of MPI or PETSc cannot be loaded and what may help."""
     reason = str(error).strip().splitlines()[-1] if str(error).strip() else type(error).__name__
     return (

@@ -63,6 +63,31 @@ def test_a_library_that_does_not_fit_is_one_line() -> None:
     assert "numpy<2" in text
 
 
+def test_a_petsc4py_for_another_numpy_is_one_line_on_all_ranks(tmp_path: Path) -> None:
+    # What numpy 2 says to the petsc4py of Debian 12.
+    reason = "numpy.dtype size changed, may indicate binary incompatibility"
+    (tmp_path / "petsc4py.py").write_text(f"def init(arguments): raise ValueError({reason!r})\n")
+    known = environment()
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "pearlite_petsc.run",
+            "--ranks",
+            "2",
+            "--output",
+            str(tmp_path / "o"),
+        ],
+        env={**known, "PYTHONPATH": f"{tmp_path}:{known['PYTHONPATH']}"},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert done.stderr.startswith(f"MPI or PETSc cannot be loaded ({reason})")
+
+
 @pytest.mark.parametrize("own, found", [(None, "none"), ("cma", "cma")])
 def test_copies_between_processes_are_off_unless_the_user_wants_them(
     own: str | None, found: str
