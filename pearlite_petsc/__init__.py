@@ -8,8 +8,8 @@ Examples:
     >>> crack.stop_reason
     'grown'
 
-Names end in their unit wherever a value has one. Everything the program refuses or cannot compute
-is a ``PearliteError``. Importing the package starts neither MPI nor PETSc.
+Names end in their unit wherever a value has one. Whatever the program refuses or cannot compute
+raises a ``PearliteError``. Importing the package starts neither MPI nor PETSc.
 """
 
 import importlib

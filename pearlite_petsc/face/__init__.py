@@ -1,1 +1,1 @@
-"""What ``import pearlite_petsc`` offers: scenes, meshes, cracks and results in the user's units."""
+"""The public face: scenes, meshes, cracks and results in the user's units."""

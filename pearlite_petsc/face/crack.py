@@ -23,28 +23,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Crack:
-    """What the growth of one crack gave.
+    """A crack that was grown: its growth rate, history and path, and why it ended.
 
     Attributes:
-        scene: The scene.
+        scene: The scene that it was grown with.
         state: Name of the state.
         index: Number of the mesh.
         delta_k_mpa_sqrt_m: Range of the stress intensity factor [MPa sqrt(m)].
-        stop_reason: Why it ended: "grown" (the wanted extension), "arrested", "boundary" (of the
-            window), "max_solves", "left_refined_zone", "failed"; "stopped" where the steps of a
-            ``Growth`` were not taken to the end.
+        stop_reason: Why it ended: "grown" (reached the wanted extension), "arrested", "boundary"
+            (reached the window's edge), "max_solves", "left_refined_zone" or "failed"; "stopped"
+            if the steps of a ``Growth`` were not taken to the end.
         da_dn_m_per_cycle: Least-squares slope of the crack length over the cycles at which it
-            grew [m/cycle]; NaN where nothing grew or the crack arrested.
-        cycles: N at the end.
+            grew [m/cycle]; NaN if nothing grew or the crack arrested.
+        cycles: Number of cycles N at the end.
         extension_um: Growth along x [um].
-        tortuosity: Length of the path over the extension; NaN where that is below one colony.
-        history: One row a break: ``cycles``, ``crack_length_um`` (with the notch),
-            ``path_length_um``, ``broken_interfaces``, ``k_1_over_delta_k``,
-            ``k_2_over_delta_k``, ``k_misfit`` as measured at the tip (NaN where not).
+        tortuosity: Path length over extension; NaN if the extension is below one colony.
+        history: One row per break: ``cycles``, ``crack_length_um`` (notch included),
+            ``path_length_um``, ``broken_interfaces``, and ``k_1_over_delta_k``,
+            ``k_2_over_delta_k`` and ``k_misfit`` as measured at the tip (NaN where they were not).
         path: Vertices of the path from the notch to the tip: ``x_um``, ``y_um``.
-        solves: Linear solves.
+        solves: Number of linear solves.
         wall_s: Wall time [s].
-        message: Of the error of a failed crack, else empty.
+        message: Error message if the crack failed, otherwise empty.
     """
 
     scene: Scene
@@ -95,11 +95,11 @@ class Crack:
 
     @property
     def rates(self) -> Table:
-        """One row for each moment at which the crack got longer, as ``da_dn.csv`` of a run has it.
+        """Growth rates point by point, one row each time the crack got longer, as in ``da_dn.csv``.
 
-        ``cycles``, ``crack_length_um``, and da/dN there by the methods of ASTM E647:
-        ``secant_m_per_cycle`` of the step that ended there, and ``polynomial_m_per_cycle`` of the
-        parabola through the seven points round it; NaN where a method has none.
+        The columns are ``cycles``, ``crack_length_um``, and da/dN there by two methods of ASTM
+        E647: ``secant_m_per_cycle`` of the step that ended there, and ``polynomial_m_per_cycle``
+        of the parabola fitted to the seven points round it; NaN where a method gives no rate.
         """
         history = self.history
         # A failed crack has no row at all.
@@ -115,9 +115,9 @@ class Crack:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the history with the crack's name in every row, as ``pandas.DataFrame`` takes it.
+        """Return the history as ``pandas.DataFrame`` takes it, with the crack named in every row.
 
-        Tables of several cracks can be put below one another.
+        The tables of several cracks can thus be concatenated.
         """
         rows = len(self.history)
         return {
@@ -134,7 +134,7 @@ class Crack:
             ax: Where to draw; a new figure's if None.
 
         Raises:
-            PearliteError: There is no path: the crack failed, or was read from tables alone.
+            PearliteError: There is no path, because the crack failed or was read from tables alone.
         """
         from pearlite_petsc.output.draw import show_path
         from pearlite_petsc.output.figures.style import on_axes

@@ -26,13 +26,13 @@ MADE_FROM = ("microstructure", "window", "elements")
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Where a crack stands after a block of cycles.
+    """The position of a growing crack after a block of cycles.
 
     Attributes:
-        cycles: N.
+        cycles: Number of cycles N so far.
         crack_length_um: Furthest x of the crack, notch included [um].
-        solves: Linear solves so far.
-        stop_reason: Why it ended, as ``Crack.stop_reason``; None while it goes on.
+        solves: Number of linear solves so far.
+        stop_reason: Why the crack ended, as in ``Crack.stop_reason``; None while it grows.
     """
 
     cycles: float
@@ -42,21 +42,20 @@ class Step:
 
 
 class Growth(Iterator[Step]):
-    """One growing crack: an iterator of its steps, and a context that frees its solver.
+    """One growing crack: an iterator over its steps, and a context manager that frees its solver.
 
-    Collective: under ``mpirun`` all ranks of ``comm`` make it and take its steps together. Taken
-    to its end it frees the solver by itself; who stops earlier leaves the ``with`` block or calls
-    ``close``.
+    Collective: under ``mpirun`` all ranks of ``comm`` make it and take its steps together. The
+    last step frees the solver; if you stop earlier, leave the ``with`` block or call ``close``.
 
     Args:
-        mesh: Where the crack starts.
+        mesh: The mesh that the crack grows on, from its notch.
         delta_k_mpa_sqrt_m: Range of the stress intensity factor [MPa sqrt(m)].
-        scene: Law, load and solver, where they are not the mesh's scene's: a scene with the same
-            microstructure, window and elements, and with the mesh's state.
-        comm: Ranks that share the crack; all there are if None.
+        scene: The scene whose law, load and solver to use, if not the mesh's own; it must have
+            the same microstructure, window and elements, and the mesh's state.
+        comm: Ranks that share the crack; all ranks if None.
 
     Raises:
-        PearliteError: Delta-K is outside its limits, or the mesh is not one of ``scene``'s.
+        PearliteError: Delta-K is outside its limits, or the mesh does not belong to ``scene``.
 
     Examples:
         >>> scene = Scene(loading={"extension_um": 20.0})
@@ -109,11 +108,11 @@ class Growth(Iterator[Step]):
         return Step(step.cycles, step.crack_length, step.solves, stop)
 
     def crack(self) -> Crack:
-        """Return the crack as it is now, or as it was when the growth was closed. Collective."""
+        """Return the crack as it is now, or as it was when the growth ended. Collective."""
         return self._crack_now(None) if self._is_open else self._kept()
 
     def close(self) -> None:
-        """Free the solver; ``crack`` stays as it is. Collective; may be called again."""
+        """Free the solver and keep the crack as it is. Collective; may be called again."""
         if self._is_open:
             self._crack = self._crack_now(None)
             self._free()
@@ -160,16 +159,20 @@ def grow_crack(
     scene: Scene | None = None,
     comm: "MPI.Comm | None" = None,
 ) -> Crack:
-    """Grow a crack from the notch of a mesh to its end. Collective over ``comm``.
+    """Grow a crack from the notch of a mesh until it ends. Collective over ``comm``.
 
     Args:
-        mesh: Where the crack starts.
+        mesh: The mesh that the crack grows on.
         delta_k_mpa_sqrt_m: Range of the stress intensity factor [MPa sqrt(m)].
-        scene: Law, load and solver, where they are not the mesh's scene's; as for ``Growth``.
-        comm: Ranks that share the crack; all there are if None.
+        scene: The scene whose law, load and solver to use, if not the mesh's own; as for
+            ``Growth``.
+        comm: Ranks that share the crack; all ranks if None.
+
+    Returns:
+        The crack with its growth rate, history and path.
 
     Raises:
-        PearliteError: As ``Growth``; or no equilibrium was found.
+        PearliteError: As for ``Growth``, or no equilibrium was found.
 
     Examples:
         >>> mesh = build_mesh(Scene(loading={"extension_um": 5.0}), "severe_AT")

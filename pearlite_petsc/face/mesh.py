@@ -20,12 +20,12 @@ KIND_NAMES = np.array([kind.name.lower() for kind in sorted(Kind)])
 
 
 class Mesh:
-    """One mesh of a scene, as ``build_mesh`` returns it: where cracks start.
+    """One mesh of a scene, as returned by ``build_mesh``: cracks grow on it from its notch.
 
     Attributes:
         scene: The scene that it was made from.
         state: Name of its state.
-        index: Its number among the meshes of the state.
+        index: Its number among the meshes of that state.
     """
 
     __slots__ = ("_prepared", "index", "scene", "state")
@@ -36,24 +36,24 @@ class Mesh:
 
     @property
     def window_um(self) -> tuple[float, float]:
-        """Width and height [um]; the window begins at (0, 0)."""
+        """Width and height of the window [um], whose lower left corner is (0, 0)."""
         return self._prepared.mesh.window
 
     @property
     def notch_um(self) -> tuple[float, float]:
-        """Tip of the notch as meshed, (x, y) [um]."""
+        """Tip (x, y) of the notch as meshed [um]."""
         return self._prepared.mesh.notch
 
     @property
     def vertices_um(self) -> FloatArray:
-        """Corners of the elements [um]; (vertices, 2), read-only."""
+        """Corners of the elements [um]; shape (vertices, 2), read-only."""
         return self._prepared.mesh.vertices
 
     @property
     def elements(self) -> Table:
-        """One row an element: nucleus ``x_um``, ``y_um``, ``area_um2``, numbers of ``colony``,
-        ``block`` and ``prior_austenite_grain``, ``lamella_angle_rad`` from the x axis, and
-        whether it is ``fine``.
+        """One row per element: its nucleus ``x_um``, ``y_um``, its ``area_um2``, the numbers of its
+        ``colony``, ``block`` and ``prior_austenite_grain``, ``lamella_angle_rad`` from the x axis,
+        and whether it is ``fine``.
         """
         mesh = self._prepared.mesh
         return Table(
@@ -71,9 +71,9 @@ class Mesh:
 
     @property
     def interfaces(self) -> Table:
-        """One row an interface: its ``kind``, the two elements ``i`` and ``j``, the ends'
-        vertices ``start`` and ``end``, midpoint ``x_um``, ``y_um``, ``length_um``, and the unit
-        normal from i to j.
+        """One row per interface: its ``kind``, its elements ``i`` and ``j``, the vertices ``start``
+        and ``end``, its midpoint ``x_um``, ``y_um``, its ``length_um``, and the unit normal
+        ``normal_x``, ``normal_y`` from i to j.
         """
         mesh = self._prepared.mesh
         return Table(
@@ -96,7 +96,7 @@ class Mesh:
         return self.elements.to_dict()
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
-        """Draw the interfaces coloured by their kind; return the axes.
+        """Draw the interfaces, coloured by their kind; return the axes.
 
         Args:
             ax: Where to draw; a new figure's if None.
@@ -120,12 +120,12 @@ class Mesh:
 def build_mesh(scene: Scene, state: str, index: int = 0) -> Mesh:
     """Make the microstructure of one repetition of a state, and its mesh.
 
-    A pure function of its arguments; under ``mpirun`` every rank makes its own.
+    The mesh depends on the arguments alone; under ``mpirun`` every rank makes its own copy.
 
     Args:
-        scene: Sizes, window, elements, states, seed.
-        state: Name of one of its states.
-        index: Number of the mesh, from 0; ``run`` takes 0 to ``ensemble.meshes`` - 1.
+        scene: Gives sizes, window, elements, states and seed.
+        state: Name of one of the scene's states.
+        index: Number of the mesh, from 0; ``run`` uses 0 to ``ensemble.meshes`` - 1.
 
     Raises:
         PearliteError: The scene has no such state, the index is negative, or the window cannot

@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 
 class Results:
-    """What a run left, as ``read_results`` and ``run`` return it; iterating gives the cracks.
+    """The results of a run, as returned by ``read_results`` and ``run``; iterating gives the cracks.
 
     Attributes:
         folder: The output folder.
-        scene: What was computed.
-        provenance: What ran, where and when; empty where only the tables are left.
+        scene: The scene that was computed.
+        provenance: What ran, where and when; empty if only the tables are left.
     """
 
     def __init__(self, result: Result, laws: Laws | None = None) -> None:
@@ -43,7 +43,7 @@ class Results:
         self._cracks = [Crack._of(self.scene, outcome) for outcome in self._outcomes]
 
     def cracks(self) -> Table:
-        """Return one row a crack, by state, mesh and Delta-K; failed and arrested ones too.
+        """Return one row per crack, by state, mesh and Delta-K, failed and arrested ones included.
 
         Columns: ``state``, ``mesh``, ``delta_k_mpa_sqrt_m``, ``da_dn_m_per_cycle`` (NaN where
         there is no rate), ``cycles``, ``extension_um``, ``tortuosity``, ``stop_reason``,
@@ -60,12 +60,12 @@ class Results:
         )
 
     def rates(self) -> Table:
-        """Return one row a state and Delta-K: the growth rate over the meshes that grew.
+        """Return the mean growth rates, one row per state and Delta-K.
 
         Columns: ``state``, ``delta_k_mpa_sqrt_m``, ``da_dn_m_per_cycle`` (geometric mean over the
         meshes whose cracks grew to the wanted extension; NaN if none did), ``scatter`` (geometric
-        standard deviation, a factor; NaN below two), ``grown`` and ``meshes`` (how many grew, of
-        how many). Where fewer grew than there are, the mean is that of the fast ones.
+        standard deviation, a factor; NaN for fewer than two), ``grown`` and ``meshes`` (how many
+        cracks grew, of how many). Where not all of them grew, the mean is that of the fast ones.
         """
         curves = rate_curves(self._outcomes, list(self.scene.states))
         counts = [len(curve.delta_k) for curve in curves]
@@ -82,7 +82,7 @@ class Results:
         )
 
     def paths(self) -> Table:
-        """Return one row a vertex of every crack's path, from the notch to the tip.
+        """Return the paths of all cracks, one row per vertex, from the notch to the tip.
 
         Columns: ``state``, ``mesh``, ``delta_k_mpa_sqrt_m``, ``x_um``, ``y_um``.
         """
@@ -106,10 +106,10 @@ class Results:
         Args:
             state: Name of the state.
             index: Number of the mesh.
-            delta_k_mpa_sqrt_m: Of the crack.
+            delta_k_mpa_sqrt_m: Range of the stress intensity factor [MPa sqrt(m)].
 
         Raises:
-            PearliteError: There is none; the message says what there is.
+            PearliteError: There is no such crack; the message says which there are.
         """
         config.state_named(self.scene._program, state)
         own = [crack for crack in self._cracks if crack.state == state]
@@ -130,7 +130,7 @@ class Results:
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw da/dN over Delta-K with the scatter from mesh to mesh; return the axes.
 
-        Measured points that the scene names are drawn with them.
+        The measured points that the scene names are drawn, too.
 
         Args:
             ax: Where to draw; a new figure's if None.
@@ -156,15 +156,16 @@ class Results:
 
 
 def read_results(path: str | PathLike[str], *, load: Files = ()) -> Results:
-    """Read what a run left.
+    """Read the results of a run.
 
     Args:
-        path: Its output folder, or a ``results.h5``.
-        load: A Python file, or several, with the laws of your own that the run was started with;
-            only needed to grow further cracks of its scene.
+        path: The run's output folder, or its ``results.h5``.
+        load: A Python file, or several, with the laws of your own that the run used; needed only
+            to grow further cracks with its scene.
 
     Raises:
-        PearliteError: There are no results, a file cannot be read, or a law has another text now.
+        PearliteError: There are no results, a file cannot be read, or the text of a law has
+            changed.
     """
     return Results(read_result(Path(path)), found_laws(load) if load else None)
 

@@ -32,15 +32,16 @@ def run(
 ) -> Results:
     """Grow every crack of a scene, as the command ``pearlite run`` does; return the results.
 
-    Progress goes to standard output. Cracks are shared out among the ranks; under ``mpirun`` all
-    ranks of ``comm`` call it together. A failed crack is among the results with its message.
+    Progress goes to standard output. The cracks are divided among the ranks; under ``mpirun`` all
+    ranks of ``comm`` call this function together. A failed crack is among the results, with its
+    message.
 
     Args:
-        scene: What to compute.
+        scene: The scene to compute.
         output: Output folder; ``runs/<name of the scene>`` if None.
-        resume: Go on with what is in the folder.
-        overwrite: Remove what an earlier run left there.
-        comm: All ranks there are if None.
+        resume: Continue with what is in the folder.
+        overwrite: Remove what an earlier run left in the folder.
+        comm: Ranks that compute the cracks; all ranks if None.
 
     Raises:
         PearliteError: The folder cannot be used or written, or the run was stopped by a signal

@@ -15,13 +15,13 @@ Files: TypeAlias = str | PathLike[str] | Iterable[str | PathLike[str]]
 
 
 class Scene(Mapping[str, Any]):
-    """What to compute, in the names and units of a scene file (TOML); it cannot be changed.
+    """A description of what to compute, in the names and units of a scene file (TOML); immutable.
 
-    What is left out takes the quickstart's value. A scene reads like the file:
+    Keys that are left out take the quickstart's values. A scene reads like its file:
     ``scene["loading"]["load_ratio"]``.
 
     Args:
-        name: Of the scene and its output folder; "scene" if left out.
+        name: Name of the scene and of its output folder; "scene" if left out.
         load: A Python file, or several, with laws of your own that the scene may choose.
         tables: Tables of the file by name, each a mapping: ``loading={"load_ratio": 0.5}``.
 
@@ -47,14 +47,14 @@ class Scene(Mapping[str, Any]):
 
     @classmethod
     def from_dict(cls, tables: Mapping[str, Any], *, load: Files = ()) -> "Scene":
-        """Return the scene of nested tables, such as ``tomllib.load`` returns.
+        """Return the scene given by nested tables, such as ``tomllib.load`` returns.
 
         Args:
             tables: Tables of the file by name.
             load: As for the class.
 
         Raises:
-            PearliteError: As the class.
+            PearliteError: As for the class.
 
         Examples:
             >>> Scene.from_dict({"states": {"undeformed": {}}}).states.keys()
@@ -75,24 +75,24 @@ class Scene(Mapping[str, Any]):
 
     @property
     def name(self) -> str:
-        """Name of the scene and its output folder."""
+        """Name of the scene and of its output folder."""
         return self._program.name
 
     @property
     def states(self) -> Mapping[str, Mapping[str, Any]]:
-        """Keys of each state by its name; iterating gives the names."""
+        """Table of each state, by the state's name; iterating gives the names."""
         states: Mapping[str, Mapping[str, Any]] = self._tables["states"]
         return states
 
     def replace(self, **changes: Any) -> "Scene":
-        """Return a scene with some keys changed and all others kept.
+        """Return a copy of the scene with some keys changed.
 
         Args:
-            changes: Tables by name with the keys to change; ``name="other"``; ``states`` may also
-                be a list of names, which keeps only those states.
+            changes: Tables by name, with the keys to change; ``name="other"`` changes the name.
+                ``states`` may also be a list of names, which keeps only those states.
 
         Raises:
-            PearliteError: As the class.
+            PearliteError: As for the class.
 
         Examples:
             >>> base = Scene()
@@ -114,7 +114,7 @@ class Scene(Mapping[str, Any]):
         return tomllib.loads(self.to_toml())
 
     def to_toml(self) -> str:
-        """Return the text of a scene file with every key, which ``load_scene`` reads back."""
+        """Return the text of a scene file that holds every key; ``load_scene`` reads it back."""
         return config.scene_to_toml(self._program)
 
     def __getitem__(self, table: str) -> Any:
@@ -153,7 +153,8 @@ def load_scene(path: str | PathLike[str], *, load: Files = ()) -> Scene:
         load: A Python file, or several, with laws of your own that the scene may choose.
 
     Raises:
-        PearliteError: Something in it cannot be used; one line with file, table, key and limit.
+        PearliteError: Something in the file cannot be used; the message is one line that names
+            file, table, key and limit.
     """
     laws = found_laws(load)
     program = config.load_scene(path, (), laws)

@@ -1,4 +1,4 @@
-"""Named columns with their units in the names: how the face hands out arrays."""
+"""Tables of named columns, in which the public face returns arrays."""
 
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
@@ -13,10 +13,10 @@ ROWS_SHOWN = 20
 
 
 class Table:
-    """Read-only columns of one length, by attribute or by key; iterating gives the rows.
+    """Read-only columns of equal length, by attribute or by key; iterating gives the rows.
 
     Args:
-        columns: Values of each column, by its name; (rows,) each.
+        columns: Values of each column, by its name; shape (rows,) each.
 
     Examples:
         >>> history = Table({"cycles": [0.0, 4200.0], "crack_length_um": [80.0, 81.5]})

@@ -1,4 +1,4 @@
-"""Laws as plugs: what a damage, spring or cycle jump law declares, and the catalogue of them."""
+"""Laws as plug-ins: what a damage, spring or cycle jump law declares, and the catalogue of laws."""
 
 from pearlite_petsc.laws.catalogue import Laws
 from pearlite_petsc.laws.cycle_jump import CycleJumpLaw

@@ -12,12 +12,12 @@ LawType = TypeVar("LawType", bound=Law)
 
 @dataclass(frozen=True, slots=True)
 class Laws:
-    """A catalogue of laws: no state, no registration; one more law makes another catalogue.
+    """A catalogue of laws. It is immutable: adding a law gives another catalogue.
 
     Attributes:
-        laws: In the order in which messages and pages name them; the first of each type is the
-            default.
-        unusable: One sentence for each law that is installed and could not be loaded.
+        laws: The laws, in the order in which messages and pages name them; the first of each type
+            is the default.
+        unusable: One sentence for each installed law that could not be loaded.
     """
 
     laws: tuple[Law, ...]
@@ -28,10 +28,10 @@ class Laws:
         return tuple(law for law in self.laws if isinstance(law, kind))
 
     def named(self, kind: type[LawType], name: str) -> LawType:
-        """Return the law of a type and name.
+        """Return the law with this type and name.
 
         Raises:
-            KeyError: There is none.
+            KeyError: There is no such law.
         """
         for law in self.of(kind):
             if law.name == name:
@@ -39,16 +39,16 @@ class Laws:
         raise KeyError(name)
 
     def joined(self, laws: Iterable[Law]) -> "Laws":
-        """Return the catalogue with more laws.
+        """Return a catalogue that holds these laws as well.
 
         Raises:
-            SceneError: There is a law of this type and name already.
+            SceneError: There already is a law of this type and name.
         """
         found = list(self.laws)
         for law in laws:
             for other in found:
                 if (other.table, other.name) == (law.table, law.name):
                     place = other.source.file if other.source else "the program itself"
-                    raise SceneError(f"{described(law)}: there is one of this name in {place}")
+                    raise SceneError(f"{described(law)}: one of this name exists in {place}")
             found.append(law)
         return Laws(tuple(found), self.unusable)

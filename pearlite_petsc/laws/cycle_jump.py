@@ -1,4 +1,4 @@
-"""The cycle jump as a plug."""
+"""Cycle jumps as plug-ins."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -11,7 +11,7 @@ class CycleJumpLaw(Law):
     """A cycle jump: ``function(start, settings, *, parameters...) -> Block | Trials | None``.
 
     The function gets the ``Situation`` at the start of a block and the scene's ``CycleJump``
-    table; ``fatigue.cycle_jumps.situation`` says what it may ask for and what it returns.
+    table; ``fatigue.cycle_jumps.situation`` explains what it may ask for and what it returns.
     """
 
     table: ClassVar[str] = "cycle_jump"

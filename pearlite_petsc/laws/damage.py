@@ -1,4 +1,4 @@
-"""The damage law as a plug: what it is told of the interfaces, and what it answers."""
+"""Damage laws as plug-ins: what they are given of the interfaces, and what they return."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
@@ -16,13 +16,13 @@ class DamageInterfaces:
     """Interfaces as a damage law sees them at the start of a block of cycles.
 
     Attributes:
-        length: L [um], > 0; (k,).
-        kind: ``Kind`` of each; (k,).
+        length: Length L [um], > 0; (k,).
+        kind: ``Kind`` of each interface; (k,).
         strength: S, the yield stress, or cementite's strength where lamellae are cut [MPa]; (k,).
-        midpoint: [um]; (k, 2).
+        midpoint: Midpoint [um]; (k, 2).
         normal: Unit normal from element i to j; (k, 2).
-        crack_distance: Distance of the midpoint from the nearest broken interface, the notch's
-            included [um], 0 on it; NaN for a law that does not follow the crack; (k,).
+        crack_distance: Distance of the midpoint from the nearest broken interface or the notch
+            [um], 0 on it; NaN for a law that does not follow the crack; (k,).
         delta_k_th: Delta-K_th of the state [MPa sqrt(um)].
         remote_threshold: Remote stress at Delta-K_th [MPa].
     """
@@ -52,20 +52,20 @@ def cubic_rate(stress: FloatArray, threshold: FloatArray, factor: FloatArray) ->
 
 
 ComponentRate = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
-"""Stress range [MPa], threshold [MPa] and factor, of shapes that broadcast -> rate [1/cycle]."""
+"""A function (stress range [MPa], threshold [MPa], factor) -> rate [1/cycle] of shapes that broadcast."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RateConstants:
-    """Rate of each interface: dD/dN = sqrt(r(normal)^2 + beta r(shear)^2), Eq. (32).
+    """Constants of the damage rate dD/dN = sqrt(r(normal)^2 + beta r(shear)^2), Eq. (32).
 
     Attributes:
-        factor: Of the rate r of a stress component; C/(S L) [1/(cycle MPa^3)] with the cubic one;
-            (k,).
-        threshold: Stress range below which nothing grows [MPa]; (k,).
+        factor: Factor of the rate r of a stress component; C/(S L) [1/(cycle MPa^3)] for the
+            cubic rate; (k,).
+        threshold: Stress range below which no damage grows [MPa]; (k,).
         beta: Weight of the shear rate [-].
-        component_rate: r of stress, threshold and factor, element by element: 0 up to the
-            threshold, never falling with the stress.
+        component_rate: The function r of stress, threshold and factor, entry by entry: 0 up to
+            the threshold, and never falling with the stress.
     """
 
     factor: FloatArray
@@ -78,7 +78,7 @@ class RateConstants:
 
         Args:
             normal: Normal stress range, tension positive; compression does no damage [MPa]; (k,).
-            shear: Shear stress range, its magnitude counts [MPa]; (k,).
+            shear: Shear stress range, of which the magnitude counts [MPa]; (k,).
         """
         rate_n = self.component_rate(normal, self.threshold, self.factor)
         rate_t = self.component_rate(np.abs(shear), self.threshold, self.factor)
@@ -91,7 +91,7 @@ class RateConstants:
         )
 
     def only(self, some: BoolArray) -> "RateConstants":
-        """Return the constants with no rate but for some interfaces; some (k,)."""
+        """Return constants whose rate is 0 except for some interfaces; some has shape (k,)."""
         return replace(self, factor=self.factor * some)
 
 
@@ -99,12 +99,12 @@ class RateConstants:
 class DamageLaw(Law):
     """A damage law: ``function(interfaces, damage, *, parameters...) -> RateConstants``.
 
-    The function gets ``DamageInterfaces`` and the scene's ``Damage`` table, and may not change
-    either.
+    The function gets ``DamageInterfaces`` and the scene's ``Damage`` table, and may change
+    neither.
 
     Attributes:
-        follows_crack: Whether the law depends on ``crack_distance``; it is then asked again
-            whenever interfaces have broken, else once a mesh.
+        follows_crack: Whether the law depends on ``crack_distance``; it is then called again
+            whenever interfaces have broken, otherwise once per mesh.
 
     Examples:
         >>> def half_rate(interfaces, damage):
@@ -128,8 +128,8 @@ class DamageLaw(Law):
             damage: The scene's table.
 
         Raises:
-            PearliteError: The function failed, or what it returned is no constants of k
-                interfaces: wrong shape, negative or not finite.
+            PearliteError: The function failed, or what it returned cannot be the constants of k
+                interfaces: it has the wrong shape, is negative or is not finite.
         """
         found = called(self, interfaces, damage)
         if not isinstance(found, RateConstants):

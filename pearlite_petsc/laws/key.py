@@ -1,6 +1,6 @@
 """Keys of scene files: name with unit, type, limits, default and meaning of one value.
 
-The program's own tables and the parameters of damage, spring and cycle jump laws are made of them.
+They make up the program's own tables and the parameters of damage, spring and cycle jump laws.
 """
 
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ UNITS = {
     "mpa_sqrt_m": 3,
     "um5_per_n2": -12,
 }
-"""Units that a key may end in, each with the power of ten that leads to the program's own (um, MPa,
-uN): 1 GPa is 10^3 MPa.
+"""Units that a key may end in, each with the power of ten that converts it to the program's own
+units (um, MPa, uN): 1 GPa is 10^3 MPa.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Range of a number in the file's unit; an end is excluded where it is ``open``."""
+    """Range of a number in the file's unit; an open end is excluded."""
 
     low: float
     high: float
@@ -47,10 +47,10 @@ class Limits:
 
 
 LENGTH = Limits(0.01, 1e5)
-"""Of lengths [um]."""
+"""Limits of lengths [um]."""
 
 SHARE = Limits(0.0, 1.0, open_low=True)
-"""Of shares of a whole, 0 excluded."""
+"""Limits of shares of a whole, 0 excluded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,14 +58,15 @@ class Key:
     """One key of a table.
 
     Attributes:
-        name: In the file, with its unit at the end.
-        attribute: Of the table's dataclass, or keyword of the law's function.
-        type: "numbers" is a list of them.
-        default: In the file's unit.
-        help: What it means, with the unit; the comment beside it in written scenes.
+        name: Name in the file, ending in the unit.
+        attribute: Name of the attribute of the table's dataclass, or of the keyword of the law's
+            function.
+        type: Type of the value; "numbers" is a list of numbers.
+        default: Default value in the file's unit.
+        help: What the key means, with the unit; the comment beside it in written scenes.
         power: The program's value is the file's value times 10**power.
-        limits: Of a number, an integer or each of several numbers, in the file's unit.
-        choices: Words that are allowed, all if empty.
+        limits: Limits of a number, an integer or each of several numbers, in the file's unit.
+        choices: Words that are allowed; all words if empty.
     """
 
     name: str
@@ -101,11 +102,11 @@ def number(attribute: str, default: float, help: str, limits: Limits, unit: str 
     """Return a key whose value is a number.
 
     Args:
-        attribute: Name in the program; the file's name has the unit at its end.
-        default: In the unit.
-        help: What it means, with the unit; the comment in written scenes.
-        limits: In the unit.
-        unit: One of ``UNITS``.
+        attribute: Name in the program; the name in the file also ends in the unit.
+        default: Default value, in the unit.
+        help: What the key means, with the unit; the comment in written scenes.
+        limits: Limits of the value, in the unit.
+        unit: One of ``UNITS``; "" for a number without a unit.
 
     Raises:
         ValueError: The unit is unknown, or the default lies outside the limits.

@@ -1,7 +1,7 @@
-"""What a damage, spring or cycle jump law is: a name, a function, and the parameters it declares.
+"""Laws: a damage, spring or cycle jump law is a name, a function, and the parameters it declares.
 
-A law is a value. Nothing registers itself: the catalogue that a scene is read with says which laws
-there are, and the scene that was read holds the one that it chose.
+A law is a value. Nothing registers itself: the catalogue used to read a scene says which laws there
+are, and the scene holds those that it chose.
 """
 
 import inspect
@@ -20,11 +20,11 @@ LawType = TypeVar("LawType", bound="Law")
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Text that a law from outside the program comes from.
+    """The text that a law from outside the program comes from.
 
     Attributes:
         file: Name of the file, or of the module that an entry point names.
-        sha256: Of the text, as hexadecimal digits.
+        sha256: SHA-256 of the text, as hexadecimal digits.
     """
 
     file: str
@@ -35,18 +35,18 @@ class Source:
 class Law:
     """A law that a scene chooses by name.
 
-    Two laws are equal if name, parameters, their values and the text they come from are.
+    Two laws are equal if their names, parameters, values and source texts are equal.
 
     Attributes:
-        name: In scenes.
-        help: One line on what it says.
+        name: Name of the law in scenes.
+        help: One line that says what the law does.
         function: The law itself; each parameter is a keyword.
         parameters: Keys of the scene's table that belong to this law alone.
-        check: Says whether the law fits the other values of its table: returns the key that does
-            not and why, or None.
+        check: Checks that the law fits the other values of its table; returns the key that does
+            not fit and the reason, or None.
         values: Parameters that the scene gives, by keyword, in the program's units; those left
             out have their defaults.
-        source: Where it comes from; None for the program's own.
+        source: Where the law comes from; None for the program's own laws.
     """
 
     name: str
@@ -86,7 +86,7 @@ class Law:
 
     @property
     def given_by_program(self) -> tuple[str, ...]:
-        """Keywords that the program gives beside the parameters."""
+        """Keywords that the program passes besides the parameters."""
         return ()
 
     def signature(self) -> inspect.Signature:
@@ -98,7 +98,7 @@ class Law:
         return {key.attribute: key.program_default for key in self.parameters} | dict(self.values)
 
     def with_values(self: LawType, **values: Any) -> LawType:
-        """Return the law with values of its parameters in the program's units.
+        """Return the law with these values of its parameters, in the program's units.
 
         Raises:
             ValueError: The law has no such parameter.

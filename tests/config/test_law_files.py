@@ -124,7 +124,7 @@ def test_a_scene_with_laws_of_a_file_can_be_pickled(file: Path) -> None:
         ("import sys\nsys.exit(3)", "line 2: SystemExit: 3"),
         (TEXT.replace('"nm"', '"inch"'), r'unit "inch" is unknown'),
         (TEXT.replace("*, thickness, wet", "*, thickness"), r"line \d+: ValueError: law \"film\""),
-        (TEXT.replace('"film"', '"objective"'), "there is one of this name in the program itself"),
+        (TEXT.replace('"film"', '"objective"'), "one of this name exists in the program itself"),
         ("\0", "."),
     ],
 )

@@ -108,7 +108,7 @@ def test_a_catalogue_refuses_a_second_law_of_the_same_name_and_stays_as_it_was()
     laws = Laws((OBJECTIVE,))
     assert laws.joined([LAW]).of(DamageLaw) == (OBJECTIVE, LAW)
     assert laws.of(DamageLaw) == (OBJECTIVE,)
-    with pytest.raises(SceneError, match="there is one of this name in the program itself"):
+    with pytest.raises(SceneError, match="one of this name exists in the program itself"):
         laws.joined([replace(LAW, name="objective")])
 
 
