@@ -27,7 +27,7 @@ Usage: ./pearlite.sh COMMAND [ARGS]
   setup [test]   set up only; "test" adds the tools of the checks
   help           this text
 
-Each command first sets up what is missing (Debian 12 and 13; Ubuntu 24.04 untested): packages of
+Each command first sets up what is missing (Debian 12 and 13; untested on Ubuntu 24.04): packages of
 the distribution, for which it needs root or sudo, and a virtual environment in .venv.
 
 Environment variables:
@@ -42,11 +42,11 @@ fail() {
     exit "${2:-1}"
 }
 
-# "stop" ends with one line; what it comes into is healed by the next call.
+# A stop ends with one line; the next call repairs what it interrupted.
 on_stop() {
     trap '' INT TERM
     [ -z "$child" ] || kill "$child" 2>/dev/null || true
-    fail "stopped; the next call begins again where it has to" 130
+    fail "stopped; the next call repeats what was not finished" 130
 }
 
 # Runs a command that would answer Ctrl-C with a traceback: in the background it does not get it.
@@ -176,13 +176,13 @@ say_size() {
 
 install_packages() {
     if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
-        fail "this is no Debian or Ubuntu: install what corresponds to $(echo "$packages" | paste -s -d ' '), or build PETSc with petsc4py, set PETSC_DIR (and PETSC_ARCH), and call again or use 'pip install .'"
+        fail "this is neither Debian nor Ubuntu: install what corresponds to $(echo "$packages" | paste -s -d ' '), or build PETSc with petsc4py, set PETSC_DIR (and PETSC_ARCH), and call again or use 'pip install .'"
     fi
     # shellcheck disable=SC2086 # lists of words
     missing=$(missing_packages $packages)
     if [ -n "$missing" ]; then
         check_sudo "${missing% }"
-        say "installing $(echo "$missing" | wc -w) packages of the distribution and what they need"
+        say "installing $(echo "$missing" | wc -w) packages of the distribution and their dependencies"
         # Left behind by an apt-get that was interrupted.
         if [ -n "$(as_root dpkg --audit)" ]; then
             as_root dpkg --configure -a >&2 || fail "dpkg --configure -a failed: see above"
@@ -430,7 +430,7 @@ case $command in
     run) number=$(ranks) ;;
     test | exec) ;;
     setup) case ${1:-run} in run | test) ;; *) fail "setup $1: only 'test' may follow setup" 2 ;; esac ;;
-    *) fail "$command is no command: run, test, exec, setup or help" 2 ;;
+    *) fail "$command is not a command: run, test, exec, setup or help" 2 ;;
 esac
 [ "$command" != exec ] || [ $# -gt 0 ] || fail "exec needs a command" 2
 

@@ -12,11 +12,11 @@ from pearlite_petsc.exit_status import ExitStatus
 COMMANDS = {
     "run": "grow the cracks of a scene; --ranks N starts several ranks",
     "mesh": "make one mesh of a scene, for ParaView and Python",
-    "report": "draw the figures and write the report of a finished run again",
+    "report": "draw the figures and write the report of a run again",
     "calibrate": "fit the damage constant C to measured growth rates",
-    "evaluate": "growth rates of a measured or computed crack from its length over cycles",
-    "verify": "compute the claims that the program rests on",
-    "check-law": "hold laws of your own against what every law must fulfil",
+    "evaluate": "compute growth rates of a crack from its length over cycles",
+    "verify": "check the claims that the program rests on",
+    "check-law": "check laws of your own against what every law must fulfil",
     "bench": "measure speed, accuracy and limits of the methods",
 }
 """Every command and what it does. Each is a module of its name (- becomes _) with ``main``."""
@@ -29,7 +29,7 @@ Fatigue crack growth in sheared pearlitic rail steel by the discrete element met
 commands:
 {commands}
 
-pearlite COMMAND --help describes one. python -m pearlite_petsc COMMAND does the same."""
+pearlite COMMAND --help describes a command. python -m pearlite_petsc COMMAND calls the same one."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

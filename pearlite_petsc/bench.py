@@ -24,13 +24,13 @@ from pearlite_petsc.studies.benchmarks.solver import SOLVER_CASE
 from pearlite_petsc.world import world
 
 SUBCOMMANDS = {
-    "pareto": "speed against accuracy of cracks, one choice at a time",
-    "widths": "da/dN over the width of the elements, the same microstructures",
-    "meshes": "meshes by the thousand, whether one fails",
-    "means": "geometric means over twenty meshes a state against the fine reference",
-    "lefm": "speed against accuracy of K, with finite elements beside",
-    "solver": "iterations, time and memory of the solver, other solvers beside",
-    "jumps": "error against solves of every jump in cycles",
+    "pareto": "speed against accuracy of da/dN for every choice of method",
+    "widths": "da/dN over the width of the elements in the same microstructures",
+    "meshes": "whether one of a thousand meshes fails",
+    "means": "geometric means over twenty meshes per state against the fine reference",
+    "lefm": "speed against accuracy of K, compared with finite elements",
+    "solver": "iterations, time and memory of the solver, compared with other solvers",
+    "jumps": "error of da/dN against solves for every cycle jump",
     "stability": "where methods fail, and how",
     "memory": "memory of a run against the number of its meshes",
     "campaign": "the cracks of a scene against the plain baseline",

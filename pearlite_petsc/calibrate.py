@@ -48,16 +48,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return 0, or 2 for input that cannot be used."""
     parser = CommandParser(
         "calibrate",
-        "Damage constant C [um^5/N^2] from a finished result and measured growth rates.",
+        "Fit the damage constant C [um^5/N^2] of a finished run to measured growth rates.",
         "example: pearlite calibrate runs/paper --experiment rail.csv",
     )
-    parser.add_argument("result", type=Path, help="output folder with fcg.csv")
+    parser.add_argument("result", type=Path, help="output folder of pearlite run")
     parser.add_argument(
         "--experiment",
         type=Path,
         required=True,
         metavar="FILE.csv",
-        help=f"measured points, columns {', '.join(COLUMNS)}; {RUN_OUT} (yes or no) if need be",
+        help=f"measured points, columns {', '.join(COLUMNS)}, and optionally {RUN_OUT} (yes or no)",
     )
     parser.add_argument("--state", metavar="NAME", help="use the points of this state only")
     options = parser.parse_args(arguments)
@@ -81,7 +81,7 @@ def _of_state(
 ) -> tuple[MeasuredPoint, ...]:
     known = [one.name for one in scene.states]
     if state not in known:
-        raise SceneError(f"--state {state}: no state of the scene, known are {', '.join(known)}")
+        raise SceneError(f"--state {state}: not a state of the scene, known are {', '.join(known)}")
     return tuple(point for point in points if point.state == state)
 
 

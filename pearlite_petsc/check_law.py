@@ -1,4 +1,4 @@
-"""Command: hold the laws of a Python file against what every law must fulfil.
+"""Command: check the laws of a Python file against what every law must fulfil.
 
 ``pearlite check-law my_law.py [SCENE.toml] [--set TABLE.KEY=VALUE]``
 """
@@ -16,7 +16,7 @@ _EXAMPLES = """examples:
   pearlite check-law my_law.py --set damage.film_strength=0.3
   pearlite check-law my_law.py runs/own_steel.toml
 
-Each claim is one line, about one interface or a small mesh; the whole takes seconds.
+Each claim is one line and concerns one interface or a small mesh; the whole check takes seconds.
 """
 
 
@@ -24,16 +24,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status: 0, 1 a claim does not hold, 2 bad input."""
     parser = CommandParser(
         "check-law",
-        "Hold damage, spring and cycle jump laws of your own against what every law must fulfil.",
+        "Check damage, spring and cycle jump laws of your own against what every law must fulfil.",
         _EXAMPLES,
     )
-    parser.add_argument("file", type=Path, metavar="LAW.py", help="Python file with LAWS")
+    parser.add_argument("file", type=Path, metavar="LAW.py", help="Python file that defines LAWS")
     parser.add_argument(
         "scene",
         nargs="?",
         type=Path,
         metavar="SCENE",
-        help="scene (TOML) whose states and constants count; default: the source's",
+        help="scene (TOML) whose states and constants to use; default: the source's",
     )
     add_set_option(parser)
     chosen = parser.parse_args(arguments)
@@ -49,8 +49,8 @@ def check(file: Path, scene: Path | None = None, overrides: Sequence[str] = ()) 
 
     Args:
         file: Python file with ``LAWS``.
-        scene: Scene whose states and constants count; None takes the source's.
-        overrides: "table.key=value" each; a parameter of one law counts for that law alone.
+        scene: Scene whose states and constants to use; None takes the source's.
+        overrides: "table.key=value" each; a parameter of one law is used for that law alone.
 
     Raises:
         SceneError: The file or the scene cannot be used.

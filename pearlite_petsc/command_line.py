@@ -64,7 +64,7 @@ def add_set_option(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="TABLE.KEY=VALUE",
-        help="change a value of the scene; as often as needed",
+        help="change a value of the scene; may be repeated",
     )
 
 
@@ -76,7 +76,7 @@ def add_load_option(parser: argparse.ArgumentParser) -> None:
         default=[],
         type=Path,
         metavar="LAW.py",
-        help="add the laws of a Python file of your own; as often as needed",
+        help="add the laws of a Python file of your own; may be repeated",
     )
 
 

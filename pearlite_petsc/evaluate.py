@@ -24,8 +24,8 @@ _EXAMPLES = """examples:
   pearlite evaluate runs/quickstart/growth/severe_AT_m0_dk18.csv --output rates.csv
 
 The file has the columns cycles and crack_length_um (or crack_length_mm), and delta_k_mpa_sqrt_m
-where Delta-K is known. Only rows at which the crack is longer than at all before count, here as in
-the program's own rates.
+if Delta-K is known. As in the program's own rates, only rows at which the crack is longer than in
+all rows before count.
 """
 
 
@@ -33,12 +33,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return 0, or 2 for input that cannot be used."""
     parser = CommandParser(
         "evaluate",
-        "Growth rates da/dN of one crack from its length over cycles, after ASTM E647.",
+        "Compute growth rates da/dN of one crack from its length over cycles, after ASTM E647.",
         _EXAMPLES,
     )
     parser.add_argument("file", type=Path, metavar="FILE.csv", help="crack length over cycles")
     add_output_option(
-        parser, "rates point by point; default <FILE>_da_dn.csv beside it", metavar="FILE.csv"
+        parser,
+        "table of the rates point by point; default <FILE>_da_dn.csv beside the file",
+        metavar="FILE.csv",
     )
     parser.add_argument("--overwrite", action="store_true", help="replace an existing file")
     chosen = parser.parse_args(arguments)

@@ -1,4 +1,4 @@
-"""Command: figures and report of a result folder, from ``results.h5`` (or the tables) alone."""
+"""Command: figures and report of an output folder, from ``results.h5`` (or the tables) alone."""
 
 import logging
 import sys
@@ -26,9 +26,9 @@ _EXAMPLES = """examples:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status (0 done, 1 not writable, 2 bad input)."""
     parser = CommandParser(
-        "report", "Draw the figures and write report.html of a finished result folder.", _EXAMPLES
+        "report", "Draw the figures and write report.html of a run's output folder.", _EXAMPLES
     )
-    parser.add_argument("folder", type=Path, help="result folder of pearlite run")
+    parser.add_argument("folder", type=Path, help="output folder of pearlite run")
     parser.add_argument(
         "--experiment",
         type=Path,
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         nargs="?",
         const=".gif",
         choices=(".gif", ".mp4"),
-        help="films of the cracks whose fields were written (.gif, or .mp4 with ffmpeg)",
+        help="also make films of the cracks that have fields (.gif, or .mp4 with ffmpeg)",
     )
     chosen = parser.parse_args(arguments)
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
@@ -50,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complain(str(error))
         return ExitStatus.BAD_INPUT
     except OSError as error:
-        complain(f"the report cannot be written: {error}; what was there before stays")
+        complain(f"the report cannot be written: {error}; the earlier files are kept")
         return ExitStatus.BROKEN
     sys.stdout.write("".join(f"wrote {path}\n" for path in written))
     return ExitStatus.DONE

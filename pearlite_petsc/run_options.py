@@ -23,12 +23,12 @@ _EXAMPLES = """examples:
   pearlite run runs/quickstart/results.h5 --output runs/again
   pearlite run --load my_law.py --set damage.law=my_law --output runs/my_law
   pearlite run runs/first_curve.toml --overwrite -- -log_view -ksp_type cg -pc_type cholesky
-  mpirun -n 2 pearlite run                         --ranks 2 by hand; srun and mpiexec alike
+  mpirun -n 2 pearlite run                         as --ranks 2; srun and mpiexec work, too
 
-Cracks are shared out among the ranks. ./pearlite.sh run takes the same arguments, on all cores.
-Units: lengths in um, Delta-K in MPa sqrt(m), stresses in MPa; the key's name ends in its unit.
+The cracks are divided among the ranks. ./pearlite.sh run takes the same arguments and uses all cores.
+Units: lengths in um, Delta-K in MPa sqrt(m), stresses in MPa; the name of a key ends in its unit.
 Exit status: 0 done, 1 error or output not writable, 2 bad input (nothing written), 3 some tasks
-failed, 130 stopped by a signal or the wall time; --resume goes on from there.
+failed, 130 stopped by a signal or --max-walltime (--resume continues).
 """
 
 
@@ -51,7 +51,7 @@ def parse_run(given: Sequence[str]) -> tuple[argparse.Namespace, list[str]]:
 def _wrong(chosen: argparse.Namespace, petsc: Sequence[str]) -> str:
     """Return what is wrong with the options, "" for nothing."""
     if chosen.resume and chosen.overwrite:
-        return "--resume and --overwrite exclude each other"
+        return "--resume and --overwrite cannot be combined"
     if chosen.retry_failed and not chosen.resume:
         return "--retry-failed needs --resume"
     if chosen.ranks is not None and chosen.ranks < 1:
@@ -68,7 +68,7 @@ def _wrong(chosen: argparse.Namespace, petsc: Sequence[str]) -> str:
 def _parser() -> argparse.ArgumentParser:
     parser = CommandParser(
         "run",
-        "Grow the fatigue cracks of a scene; on several ranks with mpirun or srun.",
+        "Grow the fatigue cracks of a scene, on one rank or several.",
         _EXAMPLES,
         usage="%(prog)s [SCENE.toml | results.h5] [options] [-- PETSc options]",
     )
@@ -77,10 +77,10 @@ def _parser() -> argparse.ArgumentParser:
     add_output_option(parser, "output folder; default runs/<scene>")
     add_set_option(parser)
     add_load_option(parser)
-    add("--resume", action="store_true", help="go on with what is in the output folder")
-    add("--retry-failed", action="store_true", help="with --resume: failed tasks once more")
-    add("--overwrite", action="store_true", help="remove what an earlier run left there")
-    add("--dry-run", action="store_true", help="print scene, size, memory and expected time only")
+    add("--resume", action="store_true", help="continue with what is in the output folder")
+    add("--retry-failed", action="store_true", help="with --resume: compute failed tasks again")
+    add("--overwrite", action="store_true", help="remove what an earlier run left in the folder")
+    add("--dry-run", action="store_true", help="only print scene, size, memory and expected time")
     add("--schema", action="store_true", help="print the JSON schema of scene files")
     add("--ranks", type=int, metavar="N", help="start N ranks with mpirun; default: one process")
     add("--ranks-per-task", type=int, metavar="N", help="ranks that share a crack; default 1")
@@ -91,7 +91,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="S",
         help="seconds between checkpoints of a growing crack; default 30",
     )
-    add("--max-walltime", type=float, metavar="S", help="stop cleanly after so many seconds")
+    add("--max-walltime", type=float, metavar="S", help="stop cleanly after S seconds")
     return parser
 
 

@@ -1,4 +1,4 @@
-"""Command: compute every claim the program rests on and write docs/verification/report.md."""
+"""Command: check every claim that the program rests on and write docs/verification/report.md."""
 
 import logging
 import sys
@@ -22,15 +22,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status: 0, 1 a claim does not hold, 2 bad input."""
     parser = CommandParser(
         "verify",
-        "Compute the claims that the program rests on; exit status 1 if one fails.",
+        "Check the claims that the program rests on; exit status 1 if one does not hold.",
         _EXAMPLES,
     )
     form = parser.add_mutually_exclusive_group()
-    form.add_argument("--quick", action="store_true", help="coarse meshes, half a minute")
-    form.add_argument("--long", action="store_true", help="finest meshes and many, up to an hour")
+    form.add_argument("--quick", action="store_true", help="use coarse meshes: half a minute")
+    form.add_argument("--long", action="store_true", help="use many fine meshes: up to an hour")
     add_output_option(parser, "folder of report.md and its figures", Path("docs/verification"))
     parser.add_argument(
-        "--only", action="append", metavar="NAME", help="one section; may be given again"
+        "--only", action="append", metavar="NAME", help="check this section; may be repeated"
     )
     chosen = parser.parse_args(arguments)
     logging.basicConfig(level=logging.WARNING, format="%(message)s", stream=sys.stderr)

@@ -53,7 +53,7 @@ def read_text(path: Path) -> str:
             raise SceneError(f"{name}: is not a regular file")
         if path.stat().st_size > LARGEST_FILE:
             size = f"{path.stat().st_size} bytes, more than {LARGEST_FILE}"
-            raise SceneError(f"{name}: is no scene: {size}")
+            raise SceneError(f"{name}: is not a scene: {size}")
         return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError:
         raise SceneError(f"{name}: is not a text file (UTF-8), a scene is TOML") from None

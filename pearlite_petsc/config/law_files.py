@@ -59,7 +59,7 @@ def laws_of_file(path: Path) -> tuple[Law, ...]:
     name = plain(str(path))
     try:
         if path.stat().st_size > LARGEST_FILE:
-            raise SceneError(f"{name}: is no file of laws: more than {LARGEST_FILE} bytes")
+            raise SceneError(f"{name}: is not a file of laws: more than {LARGEST_FILE} bytes")
         text = path.read_bytes()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
@@ -100,7 +100,7 @@ def _declared(module: ModuleType, name: str, source: Source) -> tuple[Law, ...]:
         raise SceneError(f"{name}: has no laws: LAWS must be a list of {types}")
     for law in laws:
         if not isinstance(law, Law) or not hasattr(law, "table"):
-            raise SceneError(f"{name}: LAWS holds {plain(repr(law), 60)}, which is no {types}")
+            raise SceneError(f"{name}: LAWS holds {plain(repr(law), 60)}, which is not a {types}")
     return tuple(replace(law, source=source) for law in laws)
 
 

@@ -81,7 +81,7 @@ def scene_from_tables(tables: Mapping[str, Any], name: str, laws: Laws = SHIPPED
         SceneError: As ``load_scene``.
     """
     if not isinstance(tables, Mapping):
-        raise SceneError(f"{name}: {show(tables)} is no mapping of tables")
+        raise SceneError(f"{name}: {show(tables)} is not a mapping of tables")
     return _scene(Document(name, _as_parsed(tables)), name.lower(), (), laws)
 
 

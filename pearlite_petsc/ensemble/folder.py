@@ -196,7 +196,7 @@ def refuse_fields_of_the_past(checkpoint: Path, before: Output, scene: Scene) ->
             raise SceneError(
                 f'{checkpoint.parent}: [output] fields = "{scene.output.fields}", field_steps = '
                 f"{scene.output.field_steps} ask for fields of {task.name}, which is finished and "
-                f'was grown with "{before.fields}", {before.field_steps}; leave them so, '
+                f'was grown with "{before.fields}", {before.field_steps}; keep these, '
                 "or choose another --output"
             )
 
@@ -213,7 +213,9 @@ def output_of_earlier_run(mark: Path, scene: Scene) -> Output:
         version, old = content["format_version"], str(content["scene_hash"])
         program, text = content["program"], str(content["scene"])
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise SceneError(f"{mark}: cannot be read ({error}); --overwrite begins again") from None
+        raise SceneError(
+            f"{mark}: cannot be read ({error}); --overwrite starts from scratch"
+        ) from None
     if program != PROGRAM or version != FORMAT_VERSION:
         raise SceneError(f"{mark}: is of {program}, format {version}, not {FORMAT_VERSION}")
     try:

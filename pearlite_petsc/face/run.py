@@ -61,7 +61,7 @@ def run(
     with StopRequest(None, started) as request, display_of_rank() as screen:
         status = Session(ranks, program, settings, started, request, screen).run()
     if status == ExitStatus.INTERRUPTED:
-        raise PearliteError(f"{folder}: the run was stopped; run(..., resume=True) goes on")
+        raise PearliteError(f"{folder}: the run was stopped; run(..., resume=True) continues it")
     if status == ExitStatus.BROKEN:
         raise PearliteError(
             f"{folder}: the run's output could not be written, see {folder}/run.log"

@@ -39,8 +39,8 @@ def launch_run(arguments: Sequence[str], ranks: int, folder: Path) -> int:
         return ExitStatus.INTERRUPTED
     how = f"by signal {-own}" if own < 0 else f"with status {own}"
     return _complain(
-        f"mpirun ended {how} and the ranks did not say why; {folder / 'run.log'} may, and --resume "
-        "goes on with what is finished"
+        f"mpirun ended {how} and the ranks did not say why; {folder / 'run.log'} may say more, and "
+        "--resume continues with what is finished"
     )
 
 

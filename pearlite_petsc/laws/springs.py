@@ -1,4 +1,4 @@
-"""The spring law as a plug: what it is told of the interfaces."""
+"""Spring laws as plug-ins, and what they are given of the interfaces."""
 
 from dataclasses import dataclass, fields
 from typing import ClassVar
@@ -11,13 +11,13 @@ from pearlite_petsc.laws.law import Law
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpringInterfaces:
-    """Interfaces as a spring law sees them, intact.
+    """Intact interfaces as a spring law sees them.
 
     Attributes:
-        centre_distance: L_eq, distance of the two elements' centres along the normal [um], > 0; (k,).
-        length: L [um]; (k,).
-        kind: ``Kind`` of each; (k,).
-        midpoint: [um]; (k, 2).
+        centre_distance: L_eq, distance between the elements' centres along the normal [um], > 0; (k,).
+        length: Length L [um]; (k,).
+        kind: ``Kind`` of each interface; (k,).
+        midpoint: Midpoint [um]; (k, 2).
         normal: Unit normal from element i to j; (k, 2).
     """
 
@@ -45,9 +45,9 @@ class SpringLaw(Law):
     Attributes:
         meets_poisson_ratio: Whether the function also takes ``ratio``, the k_t/k_n with which the
             mesh shows the material's Poisson ratio; the program finds it.
-        poisson_ratio: The one that any mesh shows with this law, together with the material's
-            Young's modulus; None where the law shows other constants. K at the tip is measured
-            where they are known.
+        poisson_ratio: The Poisson ratio that every mesh shows with this law, if it also shows the
+            material's Young's modulus; None if its constants differ from mesh to mesh. K at the
+            tip is measured only where the constants are known.
     """
 
     meets_poisson_ratio: bool = False
@@ -59,5 +59,5 @@ class SpringLaw(Law):
 
     @property
     def given_by_program(self) -> tuple[str, ...]:
-        """Keywords that the program gives beside the parameters."""
+        """Keywords that the program passes besides the parameters."""
         return ("ratio",) if self.meets_poisson_ratio else ()

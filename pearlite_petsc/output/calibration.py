@@ -203,7 +203,7 @@ def _outside(point: MeasuredPoint, computed: dict[str, Curves]) -> str:
     """Return why a point cannot be compared, empty if it can."""
     if point.state not in computed:
         close = get_close_matches(point.state, computed, 1, NEAR)
-        hint = f", is {close[0]!r} meant?" if close else ""
+        hint = f", did you mean {close[0]!r}?" if close else ""
         return f"the state has no computed growth rate{hint}"
     delta_k = computed[point.state].delta_k
     if point.delta_k < delta_k[0] * (1 - 1e-9):

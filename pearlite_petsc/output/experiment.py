@@ -69,7 +69,7 @@ def read_experiment(path: Path, states: Sequence[str] = ()) -> Experiment:
 def parse_experiment(text: str, name: str, states: Sequence[str] = ()) -> Experiment:
     r"""Return the measured points of CSV text.
 
-    Fields are separated as the head line separates them, by commas, semicolons or tabs. A decimal
+    Fields are separated as the header separates them, by commas, semicolons or tabs. A decimal
     comma is read where it can be nothing else. Blank lines are passed over.
 
     >>> head = "state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle"
@@ -100,7 +100,7 @@ def _point(table: UserTable, row: Row, states: Sequence[str]) -> MeasuredPoint:
     for known in states:
         if state not in states and _letters(state) == _letters(known):
             raise SceneError(
-                f"{where}: state = {state!r} is none of the scene, is {known!r} meant?"
+                f"{where}: state = {state!r} is not in the scene, did you mean {known!r}?"
             )
     delta_k, da_dn = (
         parse_number(fields[column], column, where, LARGEST[column]) for column in COLUMNS[1:]

@@ -54,7 +54,7 @@ def read_lengths(path: Path) -> LengthHistory:
     columns = (CYCLES, length_column)
     table = parse_table(text, str(path), columns, (*columns, DELTA_K), "measurements")
     if all(name in table.columns for name in LENGTHS):
-        raise SceneError(f"{path}: {' and '.join(LENGTHS)} are both there, one is needed")
+        raise SceneError(f"{path}: {' and '.join(LENGTHS)} are both given, only one is needed")
     factor = LENGTHS[length_column]
     cycles = _column(table, CYCLES, LARGEST_CYCLES, zero=True)
     length = factor * _column(table, length_column, LARGEST_LENGTH / factor)

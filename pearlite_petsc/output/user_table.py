@@ -70,7 +70,7 @@ def parse_table(
 ) -> UserTable:
     """Return the rows of CSV text.
 
-    Fields are separated as the head line separates them, by commas, semicolons or tabs. Blank lines
+    Fields are separated as the header separates them, by commas, semicolons or tabs. Blank lines
     are passed over.
 
     Args:
@@ -96,7 +96,7 @@ def parse_table(
         rows.append(row)
         commas += any("," in row.fields.get(column, "") for column in numbers)
     if not rows:
-        raise SceneError(f"{name}: no {what} below the head line")
+        raise SceneError(f"{name}: no {what} below the header")
     notes = []
     if separator != ",":
         notes.append(f"{name}: read with {_SEPARATORS[separator]} between the fields")
@@ -138,7 +138,7 @@ def parse_number(text: str, column: str, where: str, largest: float, zero: bool 
 
 
 def _separator(text: str, columns: Sequence[str]) -> str:
-    """Return what the head line separates its fields with: that which gives most known columns."""
+    """Return what the header separates its fields with: that which gives most known columns."""
     head = text.lstrip().splitlines()[0] if text.strip() else ""
 
     def known(separator: str) -> int:
@@ -164,24 +164,24 @@ def _lines(text: str, name: str, separator: str) -> Iterator[tuple[int, list[str
                     )
                 yield line, [field.strip() for field in fields]
     except csv.Error as error:
-        raise SceneError(f"{name}: line {reader.line_num}: is no CSV ({error})") from None
+        raise SceneError(f"{name}: line {reader.line_num}: is not CSV ({error})") from None
 
 
 def _check_head(head: Sequence[str], name: str, columns: Sequence[str]) -> None:
     for column in filter(None, head):
         if head.count(column) > 1:
-            raise SceneError(f"{name}: column {column!r} is there {head.count(column)} times")
+            raise SceneError(f"{name}: column {column!r} appears {head.count(column)} times")
     for column in columns:
         if column not in head:
             near = {other.casefold(): other for other in reversed(head) if other}
             close = difflib.get_close_matches(column, near, 1)
             found = ", ".join(filter(None, head)) or "none"
-            hint = f", is {near[close[0]]!r} meant?" if close else f"; found {found[:200]}"
+            hint = f"; rename column {near[close[0]]!r}?" if close else f"; found {found[:200]}"
             raise SceneError(f"{name}: column {column!r} is missing{hint}")
 
 
 def _miscount(fields: Sequence[str], head: Sequence[str], separator: str) -> str:
-    text = f"has {len(fields)} fields where the head line has {len(head)}"
+    text = f"has {len(fields)} fields where the header has {len(head)}"
     if separator == "," and len(fields) > len(head):
         text += "; a decimal comma ends a field here, write 13.5 instead of 13,5"
     return text

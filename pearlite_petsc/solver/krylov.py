@@ -119,7 +119,7 @@ def direct_settings(ranks: int) -> dict[str, str]:
         settings["pc_factor_mat_solver_type"] = "mumps"
     elif ranks > 1:
         raise SolverError(
-            f"direct solver on {ranks} ranks: this PETSc has no MUMPS; use one rank a task"
+            f"direct solver on {ranks} ranks: this PETSc has no MUMPS; use one rank per task"
         )
     return settings
 

@@ -41,5 +41,5 @@ def unused_text(names: list[str]) -> str:
     shown = []
     for name in names:
         near = get_close_matches(name, _KNOWN, 1, 0.8)
-        shown.append(f"-{name}" + (f" (is -{near[0]} meant?)" if near else ""))
+        shown.append(f"-{name}" + (f" (did you mean -{near[0]}?)" if near else ""))
     return f"PETSc options that nothing used: {', '.join(shown)}; the run was made without them"

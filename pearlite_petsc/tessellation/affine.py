@@ -101,7 +101,7 @@ def affine_cells(
     """
     nuclei = undeformed_nuclei(label_map, elements, window, seed, index)
     if len(nuclei) < 4:
-        raise MeshError(f"window holds {len(nuclei)} nuclei, not 4")
+        raise MeshError(f"window holds {len(nuclei)} nuclei, at least 4 are needed")
     low, high = nuclei.min(axis=0) - elements.length, nuclei.max(axis=0) + elements.length
     ones = np.ones((len(nuclei), 1))
     offsets, indices = Delaunay(nuclei).vertex_neighbor_vertices

@@ -52,7 +52,8 @@ def bounded_voronoi(points: FloatArray, width: float, height: float, reach: Floa
         MeshError: Fewer than three nuclei, or cells that do not fill the rectangle.
     """
     if len(points) < 3:
-        raise MeshError(f"window of {width:g} x {height:g} um holds {len(points)} nuclei, not 3")
+        size = f"{width:g} x {height:g} um"
+        raise MeshError(f"window of {size} holds {len(points)} nuclei, at least 3 are needed")
     tolerance = MERGING * max(width, height)
     while True:
         ghosts, owner, complete = _ghosts(points, width, height, reach)

@@ -77,7 +77,7 @@ def _shortest(ends: IntArray, cost: FloatArray, start: int, end: int) -> IntArra
     while last != first:
         previous = int(before[last])
         if previous < 0:
-            raise MeshError("the wake of the crack hangs on no facet of the elements there")
+            raise MeshError("no chain of facets connects the two ends of the crack's wake")
         way.append(edge[min(previous, last), max(previous, last)])
         last = previous
     return np.array(way, dtype=np.int64)

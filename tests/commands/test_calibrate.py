@@ -183,7 +183,7 @@ def test_the_command_takes_the_points_of_one_state_only(
             "da_dn_m_per_cycle = '0' is not a positive number",
         ),
         ("state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nx,1,nan\n", "= 'nan' is not a positive"),
-        ("state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\n", "no measured points below the head line"),
+        ("state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\n", "no measured points below the header"),
         ("state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\nx,1,1e-9\n", "no measured point lies on a"),
     ],
 )
@@ -263,7 +263,7 @@ def test_delta_k_in_mpa_sqrt_mm_is_named_as_such() -> None:
 def test_a_misspelt_state_is_named_and_another_state_is_not() -> None:
     points = [on_the_law(9, 1.0), on_the_law(9, 1.0, "severe_ATT"), on_the_law(9, 1.0, "severe_TA")]
     left_out = calibrate(power_law(), points).left_out
-    assert left_out[0].endswith("no computed growth rate, is 'severe_AT' meant?")
+    assert left_out[0].endswith("no computed growth rate, did you mean 'severe_AT'?")
     assert left_out[1].endswith("no computed growth rate")
 
 

@@ -107,8 +107,8 @@ def test_slope_and_rates_of_a_measured_crack_are_found(
         ("cycles,crack_length_um\n0,80\n5,79\n", "the crack got longer at none of its 2 rows"),
         ("cycles,crack_length_um\n0,80\n9,81\n5,82\n", "line 4: cycles = 5 after 9"),
         ("cycles,crack_length_um\n0,80\n5,x\n", "line 3: crack_length_um = 'x' is not a positive"),
-        ("cycles,crack_length_um\n0,80,5\n", "line 2: has 3 fields where the head line has 2"),
-        ("cycles,crack_length_um,crack_length_mm\n0,80,.08\n", "both there, one is needed"),
+        ("cycles,crack_length_um\n0,80,5\n", "line 2: has 3 fields where the header has 2"),
+        ("cycles,crack_length_um,crack_length_mm\n0,80,.08\n", "both given, only one is needed"),
         ("cycles,crack_length_mm\n0,80000\n", "is above 10000; the column's name says its unit"),
     ],
 )

@@ -66,7 +66,7 @@ def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
         (["--ranks-per-task", "two"], "invalid int value: 'two'"),
         (["--max-walltime", "nan"], "--max-walltime nan is not a time"),
         (["--checkpoint-interval", "-1"], "--checkpoint-interval -1 is not a time"),
-        (["--resume", "--overwrite"], "exclude each other"),
+        (["--resume", "--overwrite"], "cannot be combined"),
         (["--retry-failed"], "needs --resume"),
         (["--frobnicate"], "unrecognized arguments: --frobnicate"),
         (["--res"], "unrecognized arguments: --res"),

@@ -117,7 +117,7 @@ def test_a_scene_with_laws_of_a_file_can_be_pickled(file: Path) -> None:
     ("text", "message"),
     [
         ("", "has no laws: LAWS must be a list of DamageLaw, SpringLaw or CycleJumpLaw"),
-        ("LAWS = [3]", "LAWS holds 3, which is no DamageLaw"),
+        ("LAWS = [3]", "LAWS holds 3, which is not a DamageLaw"),
         ("import no_such_module", "line 1: ModuleNotFoundError: No module named 'no_such_module'"),
         ("x = 1\nx = (", "line 2: SyntaxError"),
         ("def f():\n    raise ValueError('a\\nb')\nf()", "line 2: ValueError: a b"),

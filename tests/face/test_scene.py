@@ -101,7 +101,7 @@ def test_what_cannot_be_used_is_refused_in_one_line(
 
 
 def test_what_is_no_table_is_refused() -> None:
-    with pytest.raises(pp.PearliteError, match="is no mapping of tables"):
+    with pytest.raises(pp.PearliteError, match="is not a mapping of tables"):
         pp.Scene.from_dict([("loading", {})])  # type: ignore[arg-type]
     with pytest.raises(pp.PearliteError, match="no such file, did you mean .*quickstart.toml?"):
         pp.load_scene(ROOT / "runs" / "quickstrat.toml")

@@ -15,7 +15,7 @@ def test_a_misspelt_option_is_an_error_with_the_nearest_known_one(
 ) -> None:
     done = run(ranks, tmp_path, *ONE, "--", "-ksp_typ", "cg", "-ksp_rtol", "1e-8", "-frobnicate")
     assert done.returncode == 1
-    said = "PETSc options that nothing used: -frobnicate, -ksp_typ (is -ksp_type meant?); "
+    said = "PETSc options that nothing used: -frobnicate, -ksp_typ (did you mean -ksp_type?); "
     assert said in done.stderr
     assert "3 done, 0 failed, 0 missing" in done.stdout
 

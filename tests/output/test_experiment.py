@@ -53,9 +53,9 @@ def test_a_run_out_is_marked_in_a_column_of_its_own(tmp_path: Path) -> None:
 def test_a_state_in_other_letters_is_refused_and_one_of_its_own_is_not(tmp_path: Path) -> None:
     for state in ("Undeformed", "UNDEFORMED", "undeformed."):
         text = HEAD + f"severe_AT,13,1.5e-9\n{state},13,1.5e-9\n"
-        with pytest.raises(SceneError, match="line 3: state = .* is 'undeformed' meant"):
+        with pytest.raises(SceneError, match="line 3: state = .* did you mean 'undeformed'"):
             read_experiment(written(tmp_path, text), ["undeformed", "severe_AT"])
-    with pytest.raises(SceneError, match="is 'severe_AT' meant"):
+    with pytest.raises(SceneError, match="did you mean 'severe_AT'"):
         read_experiment(written(tmp_path, HEAD + "severe A-T,13,1.5e-9\n"), ["severe_AT"])
     text = HEAD + "severe_TA,13,1.5e-9\n"
     assert len(read_experiment(written(tmp_path, text), ["severe_AT"]).points) == 1
@@ -65,35 +65,35 @@ def test_a_state_in_other_letters_is_refused_and_one_of_its_own_is_not(tmp_path:
     ("text", "said"),
     [
         ("", "column 'state' is missing"),
-        ("state,delta_k_mpa_sqrt_m,da_dn_per_cycle\na,1,2\n", "is 'da_dn_per_cycle' meant"),
+        ("state,delta_k_mpa_sqrt_m,da_dn_per_cycle\na,1,2\n", "rename column 'da_dn_per_cycle'"),
         (HEAD, "no measured points"),
         (HEAD + "a,ten,1e-9\n", "line 2: delta_k_mpa_sqrt_m = 'ten'"),
         (HEAD + "a,10,1e-9\na,-10,1e-9\n", "line 3: delta_k_mpa_sqrt_m = '-10'"),
         (HEAD + "a,10,nan\n", "da_dn_m_per_cycle = 'nan'"),
         (HEAD + "a,inf,1e-9\n", "delta_k_mpa_sqrt_m = 'inf'"),
-        (HEAD + "a,10\n", "line 2: has 2 fields where the head line has 3"),
+        (HEAD + "a,10\n", "line 2: has 2 fields where the header has 3"),
         (
             HEAD + "a,13,5,1.5e-9\n",
-            "line 2: has 4 fields where the head line has 3; a decimal comma",
+            "line 2: has 4 fields where the header has 3; a decimal comma",
         ),
         (HEAD + "a,10,1e-9,\n", "line 2: has 4 fields"),
         (
             HEAD.replace(",", ";") + "a;10;1e-9;x\n",
-            "line 2: has 4 fields where the head line has 3",
+            "line 2: has 4 fields where the header has 3",
         ),
         (HEAD + "a;10;1e-9\n", "line 2: has 1 fields"),
         (HEAD + "\n\na,10,1e-9\n\nb,ten,1e-9\n", "line 6: delta_k_mpa_sqrt_m = 'ten'"),
         (HEAD + HEAD + "a,10,1e-9\n", "line 2: delta_k_mpa_sqrt_m = 'delta_k_mpa_sqrt_m'"),
-        ("state,state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\n", "column 'state' is there 2 times"),
-        ("State,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\n", "is 'State' meant"),
+        ("state,state,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\n", "column 'state' appears 2 times"),
+        ("State,delta_k_mpa_sqrt_m,da_dn_m_per_cycle\n", "rename column 'State'"),
         (HEAD.replace(",", ";") + "a;13,500;1e-9\n", "may be 13500 or 13.500"),
         (HEAD + "a,1_0,1e-9\n", "delta_k_mpa_sqrt_m = '1_0' is not a positive number"),
         (HEAD + "a,\u0661,1e-9\n", "is not a positive number"),
         (HEAD + "a,13,5\n", "da_dn_m_per_cycle = '5' is above 0.001"),
         (HEAD + "a,2e4,1e-9\n", "delta_k_mpa_sqrt_m = '2e4' is above 10000"),
-        (HEAD + 'a,10,1e-9\n"a,11,1e-9\n', "line 3: is no CSV"),
+        (HEAD + 'a,10,1e-9\n"a,11,1e-9\n', "line 3: is not CSV"),
         (HEAD + '"a,10,1e-9\na",11,1e-9\n', "line 2: a quoted field runs on to line 3"),
-        (HEAD + 'a,"10"1,1e-9\n', "line 2: is no CSV"),
+        (HEAD + 'a,"10"1,1e-9\n', "line 2: is not CSV"),
         (HEAD + ",10,1e-9\n", "state is empty"),
     ],
 )
