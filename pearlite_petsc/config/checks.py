@@ -144,7 +144,7 @@ def _loading(scene: Scene) -> Problem | None:
 def _size(scene: Scene) -> Problem | None:
     elements = estimated_elements(scene)
     if elements > MOST_ELEMENTS:
-        text = f"asks for about {elements:.2g} elements a mesh, at most {MOST_ELEMENTS:.0e}"
+        text = f"asks for about {elements:.2g} elements per mesh, at most {MOST_ELEMENTS:.0e}"
         return "elements", "width_um", f"= {scene.elements.width:g} {text}"
     # The unsheared window is a parallelogram, tessellated with what surrounds it.
     window, colony = scene.window, scene.microstructure.colony

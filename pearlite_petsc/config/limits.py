@@ -1,4 +1,4 @@
-"""Where a method is known to go wrong without failing, as ``bench stability`` and ``jumps`` map it."""
+"""Limits beyond which a method is wrong without failing, as ``bench stability`` and ``jumps`` show."""
 
 from pearlite_petsc.scene import Scene
 
@@ -64,7 +64,7 @@ def method_warnings(scene: Scene) -> list[str]:
 
 
 def _load_warnings(scene: Scene, longer: float) -> list[str]:
-    """Return one sentence for each load that is no fatigue or finds no room."""
+    """Return one sentence for each load that is not fatigue or has no room."""
     loading, tough = scene.loading, scene.material.fracture_toughness
     warnings = []
     broken = [d for d in loading.delta_k if d / (1.0 - loading.load_ratio) > tough]
@@ -74,13 +74,13 @@ def _load_warnings(scene: Scene, longer: float) -> list[str]:
             f"Delta-K = {shown} MPa sqrt(m): K_max = {broken[-1] / (1.0 - loading.load_ratio) / MPA_SQRT_M:g} "
             f"is above the fracture toughness of {tough / MPA_SQRT_M:g} MPa sqrt(m) "
             "(material.fracture_toughness_mpa_sqrt_m): the steel breaks at the first load, and da/dN is "
-            "no growth rate of fatigue."
+            "not a fatigue growth rate."
         )
     if scene.window.notch < SHORTEST_NOTCH * longer:
         warnings.append(
             f"notch of {scene.window.notch:g} um with elements of up to {longer:g} um: below "
             f"{SHORTEST_NOTCH * longer:g} um the singular load of the tip lies on the window's edge; "
-            "cracks fail there, or grow at a rate of the edge."
+            "cracks fail there, or their rate is an effect of the edge."
         )
     return warnings
 

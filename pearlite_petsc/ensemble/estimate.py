@@ -36,11 +36,11 @@ def dry_run_text(scene: Scene, folder: Path, ranks: int) -> str:
         f"output      {folder}",
         f"tasks       {len(tasks)} = {states} states x {scene.ensemble.meshes} meshes x "
         f"{len(scene.loading.delta_k)} Delta-K",
-        f"elements    about {elements} a mesh, from above ({3 * elements} unknowns)",
+        f"elements    about {elements} per mesh at most ({3 * elements} unknowns)",
         f"memory      about {each * ranks:.0f} MB on {ranks} rank(s)",
         f"time        about {share + meshing:.0f} s on {ranks} rank(s), "
-        f"{scene.ensemble.ranks_per_task} a task, of which {meshing:.0f} s for meshes; figures aside, "
-        "from the cost of a solve and of a mesh on a core of 2020",
+        f"{scene.ensemble.ranks_per_task} per task, of which {meshing:.0f} s for meshes; without figures; "
+        "estimated from the cost of a solve and of a mesh on a core of 2020",
         *(f"note        {text}" for text in method_warnings(scene)),
     ]
     return "\n".join(lines)

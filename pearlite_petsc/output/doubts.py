@@ -3,12 +3,12 @@
 from pearlite_petsc.fatigue.outcome import Outcome
 from pearlite_petsc.scene import Elements
 
-SHORT_LIFE = "ended within one load cycle: no fatigue; was Delta-K written in MPa sqrt(m)?"
-FAST = "grew by more than one element a cycle: no fatigue; was Delta-K written in MPa sqrt(m)?"
+SHORT_LIFE = "ended within one load cycle, not by fatigue; is Delta-K in MPa sqrt(m)?"
+FAST = "grew by more than one element per cycle, not by fatigue; is Delta-K in MPa sqrt(m)?"
 
 
 def doubts(outcome: Outcome, elements: Elements) -> list[str]:
-    """Return what is doubtful about a crack, empty for nothing.
+    """Return what is doubtful about a crack; empty if nothing is.
 
     Args:
         outcome: The task.

@@ -162,7 +162,7 @@ def _paths(folder: Path, scene: Scene, outcomes: Sequence[Outcome]) -> None:
         for state in scene.states
     }
     window = (scene.window.width, scene.window.height)
-    title = f"Crack paths at ΔK = {delta_k_in_mpa_sqrt_m(level):g} MPa√m, one line a mesh"
+    title = f"Crack paths at ΔK = {delta_k_in_mpa_sqrt_m(level):g} MPa√m, one line per mesh"
     draw_paths(folder / "paths", paths, window, title)
 
 

@@ -133,7 +133,7 @@ def test_a_bad_key_or_value_is_named(text: str, expected: str) -> None:
         (["loading.control=stress"], '[loading] control = "stress" needs kind = "edge_crack"'),
         (
             ["elements.refinement=uniform", "elements.width_um=0.01", "elements.length_um=0.1"],
-            "asks for about 4e+07 elements a mesh, at most 5e+06",
+            "asks for about 4e+07 elements per mesh, at most 5e+06",
         ),
         (
             ["microstructure.colony_um=2.5", "states.severe_AT.shear_strain=1000"],

@@ -114,15 +114,15 @@ def _hardening(scene: Scene) -> Conclusion:
     base = _undeformed(scene)
     others = [s for s in scene.states if base is not None and s.yield_stress != base.yield_stress]
     if base is None or not others:
-        return Conclusion(statement, Verdict.OPEN, "All states have one yield stress.")
+        return Conclusion(statement, Verdict.OPEN, "All states have the same yield stress.")
     factors = sorted({round(base.yield_stress / s.yield_stress, 3) for s in others})
     text = ", ".join(f"× {value:.2f}" for value in factors)
     return Conclusion(
         statement,
         Verdict.OPEN,
-        f"Put in by hand: the damage law divides by the yield stress, which at equal threshold and "
-        f"path gives {text} of the undeformed rate. To see it alone, run the states with one "
-        "threshold, and again with one yield stress.",
+        f"This is an input: the damage law divides by the yield stress, which at equal threshold "
+        f"and path gives {text} of the undeformed rate. To see the effect alone, run the states "
+        "with the same threshold, and again with the same yield stress.",
     )
 
 

@@ -107,11 +107,12 @@ def _rates(result: Result) -> str:
     ]
     head = ["State", "ΔK [MPa√m]", "da/dN [m/cycle]", "Scatter ×/÷", "Grown"]
     note = (
-        "da/dN is the slope of crack length over cycles; the mean is geometric over the meshes "
-        "whose crack grew to the wanted extension, the scatter their geometric standard deviation. "
-        "Where only a part of the meshes grew, the mean is that of the fast ones: a half-filled "
-        "mark, compared with nothing. A crack that arrested has no growth rate (arrow at the foot); "
-        "the rate of one that ended otherwise is a hollow mark and in no mean."
+        "da/dN is the slope of crack length over cycles. The mean is the geometric mean over the "
+        "meshes whose crack grew to the wanted extension, and the scatter is their geometric "
+        "standard deviation. Where not all cracks grew to the end, the mean is that of the fast "
+        "ones: its mark is half-filled, and it is not compared with others. A crack that arrested "
+        "has no growth rate (arrow at the foot); the rate of a crack that ended otherwise is a "
+        "hollow mark and is left out of means."
     )
     caption = (
         "Growth rate over ΔK. Marks: geometric mean with geometric standard deviation over meshes; "
@@ -121,8 +122,8 @@ def _rates(result: Result) -> str:
     null = (
         "Rates relative to the first state, with 95 % intervals, at the ΔK at which every mesh of "
         "both grew; hollow: an upper bound, because some cracks ran into the window's edge. Lines: "
-        "no microstructure, only yield stress and threshold, da/dN ∝ (ΔK − ΔK_th)³/σ_yield. What "
-        "lies between mark and line is the microstructure's part."
+        "what yield stress and threshold alone give, da/dN ∝ (ΔK − ΔK_th)³/σ_yield. The difference "
+        "between mark and line is due to the microstructure."
     )
     return (
         _figure(result, "fcg", caption)
@@ -144,10 +145,10 @@ def _conclusions(result: Result) -> str:
     ]
     intro = (
         "Means over the ΔK at which every mesh of both states grew to the wanted extension, with "
-        "95 % intervals over meshes; how many ΔK that is stands beside the number. Across the "
-        "lamellae (T-A), cracks that ran into the window's edge count with the rate until then, "
-        "which bounds theirs from above. Near the threshold much of a difference is put in by hand "
-        "with the threshold; the null model says how much."
+        "95 % intervals over meshes; the number of these ΔK stands beside each mean. Across the "
+        "lamellae (T-A), cracks that ran into the window's edge count with their rate until then, "
+        "which is an upper bound. Near the threshold, much of a difference is an input, namely "
+        "that of the thresholds; the null model says how much."
     )
     return paragraph(intro) + table(["Statement", "Verdict", "Numbers"], rows, numbers_from=3)
 
@@ -195,16 +196,24 @@ def _paths(result: Result) -> str:
 
 
 def _growth(result: Result) -> str:
-    return _figure(result, "growth", "Crack length over cycles, one line a mesh.") + tip_section(
+    return _figure(result, "growth", "Crack length over cycles, one line per mesh.") + tip_section(
         result
     )
 
 
 def _microstructure(result: Result) -> str:
     return (
-        _figure(result, "microstructure", "The three levels of mesh 0 of each state.")
-        + _figure(result, "lamella_angles", "Lamella angles of all meshes and the closed form.")
-        + _figure(result, "lamella_roses", "The same as roses; the crack runs to the right.")
+        _figure(
+            result,
+            "microstructure",
+            "Prior austenite grains, blocks and colonies of mesh 0 of each state.",
+        )
+        + _figure(
+            result,
+            "lamella_angles",
+            "Lamella angles of all meshes, and their closed-form distribution.",
+        )
+        + _figure(result, "lamella_roses", "The same as rose plots; the crack runs to the right.")
         + _figure(result, "mesh", "Interfaces by kind, at the end of one crack of each state.")
     )
 

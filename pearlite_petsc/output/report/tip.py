@@ -25,11 +25,12 @@ def tip_section(result: Result) -> str:
         for row in found
     ]
     note = (
-        "What K the cracks had at their tips, measured on the elements round them, over the ΔK asked "
-        "for: means over cracks, weighted by the growth, with 95 % intervals. Below 1, unbroken "
-        "ligaments behind the tip, deflection and branches take load off it; above, what has broken "
-        "ahead of it already. The last columns say which share of the growth had a field of one "
-        f"crack tip (misfit at most {MOST_MISFIT:g}), on which the means rest, and in how many cracks."
+        "K at the crack tips, measured on the elements round them, over the ΔK asked for: means over "
+        "cracks, weighted by the growth, with 95 % intervals. Values below 1 come from unbroken "
+        "ligaments behind the tip, deflection and branches, which take load off it; values above 1 "
+        "from interfaces that are already broken ahead of it. The means rest on the growth during "
+        f"which the field was that of a single crack tip (misfit at most {MOST_MISFIT:g}); the last "
+        "columns say which share of the growth that is, and in how many cracks."
     )
     head = ["State", "ΔK [MPa√m]", "K_I/ΔK", "|K_II|/ΔK", "Measured", "Cracks"]
     return "<h3>K at the tip</h3>" + paragraph(note) + table(head, rows)

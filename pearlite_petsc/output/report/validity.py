@@ -64,7 +64,7 @@ def _row(scene: Scene, state: State, delta_k: float) -> ZoneRow:
 
 
 def validity_warnings(scene: Scene) -> list[str]:
-    """Return one sentence for each assumption that the scene leaves, with the numbers."""
+    """Return one sentence for each assumption that the scene violates, with the numbers."""
     rows = zone_rows(scene)
     warnings = []
     over_colony = [row for row in rows if row.colonies > 1.0]
@@ -74,7 +74,7 @@ def validity_warnings(scene: Scene) -> list[str]:
             f"The reversed plastic zone is larger than a colony in {len(over_colony)} of {len(rows)} "
             f"combinations, at most {worst.plastic_zone:.0f} µm ({worst.colonies:.1f} colonies; "
             f"{worst.state}, ΔK = {worst.delta_k:g} MPa√m): within it the elastic stress is the "
-            "model's driving force, not a stress that the steel carries."
+            "model's driving force, not a stress that the steel can carry."
         )
     over_window = [row for row in rows if row.window_share > 0.5]
     if over_window:
@@ -94,7 +94,7 @@ def validity_warnings(scene: Scene) -> list[str]:
             else "normal stress at the window's edge ahead of the notch"
         )
         warnings.append(
-            f"The {what} passes the yield stress from ΔK = {lowest:g} MPa√m on, at most "
+            f"The {what} exceeds the yield stress from ΔK = {lowest:g} MPa√m on: it reaches "
             f"{worst.stress:.0f} MPa against {worst.stress / worst.stress_share:.0f} MPa "
             f"({worst.state}, ΔK = {worst.delta_k:g} MPa√m)."
         )
@@ -104,7 +104,7 @@ def validity_warnings(scene: Scene) -> list[str]:
 _REASONS = {
     StopReason.ARRESTED: "arrested (no interface above its threshold); no growth rate",
     StopReason.LEFT_REFINED_ZONE: "left the finely resolved zone; rate not used",
-    StopReason.BOUNDARY: "reached the window's boundary before the wanted extension; rate a bound, in no mean",
+    StopReason.BOUNDARY: "reached the window's edge before the wanted extension; its rate is a bound",
     StopReason.MAX_SOLVES: "reached the limit of solves; rate not used",
     StopReason.FAILED: "failed",
 }
@@ -115,7 +115,7 @@ _FALLBACKS = {
 
 
 def task_warnings(outcomes: Sequence[Outcome], elements: Elements) -> dict[str, list[str]]:
-    """Return the tasks that are not as wanted, by reason: ends, doubts, fallbacks.
+    """Return the tasks that did not go as wanted, by reason: ends, doubts, fallbacks.
 
     Args:
         outcomes: The tasks.
