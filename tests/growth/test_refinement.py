@@ -9,6 +9,7 @@ from pearlite_petsc.growth.refinement import (
     Refinement,
     carry_damage_over,
     carry_over,
+    damaged_interfaces,
     interface_pairs,
     kept_nuclei,
     zone_over,
@@ -55,7 +56,7 @@ def hurt_near_the_notch() -> tuple[np.ndarray, np.ndarray]:
 
 def moved_mesh(damage: np.ndarray) -> Mesh:
     zone = zone_over(np.array([[130.0, 120.0]]), RADIUS)
-    return Refinement(zone, kept_nuclei(MESH, damage)).mesh(SUBSTRATE)
+    return Refinement(zone, kept_nuclei(MESH, damaged_interfaces(MESH, damage))).mesh(SUBSTRATE)
 
 
 def test_damaged_interfaces_survive_a_move_with_length_and_value() -> None:
@@ -92,4 +93,5 @@ def test_new_interfaces_take_the_default() -> None:
 
 
 def test_nothing_is_kept_round_intact_interfaces() -> None:
-    assert not len(kept_nuclei(MESH, (MESH.kind == Kind.NOTCH).astype(float)))
+    intact = (MESH.kind == Kind.NOTCH).astype(float)
+    assert not len(kept_nuclei(MESH, damaged_interfaces(MESH, intact)))
