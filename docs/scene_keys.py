@@ -14,9 +14,9 @@ from pearlite_petsc.laws.law import Law
 
 HEAD = """# Scene keys
 
-Made by `docs/scene_keys.py` from the table that reads the scenes; a test compares the two.
+Made by `docs/scene_keys.py` from the table that the program reads scenes with; a test compares the two.
 
-A scene is a TOML file. Every key may be left out and then has the default. `name` at the top is
+A scene is a TOML file. Every key may be left out and then takes its default. `name` at the top is
 the name of the output folder (default: the file's stem).
 """
 
@@ -55,7 +55,7 @@ def _states() -> str:
     lines = [
         "## [states.NAME]",
         "",
-        "One table a state; the source's five if there is none. A state with one of the names below",
+        "One table per state; the source's five states if there is none. A state with one of the names below",
         "may leave keys out; a state with a name of your own needs all four.",
         "",
         "| key | allowed | meaning |",

@@ -125,7 +125,7 @@ class Loading:
 
 @dataclass(frozen=True, slots=True)
 class CycleJump:
-    """Jump in cycles: method, largest damage increment a block, tolerance of "adaptive"."""
+    """Cycle jump: method, largest damage increment in a block, tolerance of "adaptive"."""
 
     method: CycleJumpLaw
     delta_d: float
@@ -135,7 +135,7 @@ class CycleJump:
 @dataclass(frozen=True, slots=True)
 class Solver:
     """Linear solver: CG with GAMG ("iterative") or old factors ("factors"), "auto" by the size of
-    the matrix, or "direct"; relative tolerance; limit of solves a task.
+    the matrix, or "direct"; relative tolerance; limit of solves per task.
     """
 
     method: Literal["auto", "iterative", "factors", "direct"]
@@ -145,7 +145,7 @@ class Solver:
 
 @dataclass(frozen=True, slots=True)
 class Ensemble:
-    """Meshes (repetitions) a state and ranks a task."""
+    """Meshes (repetitions) per state and ranks per task."""
 
     meshes: int
     ranks_per_task: int

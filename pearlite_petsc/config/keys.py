@@ -40,7 +40,7 @@ def _window() -> tuple[Table, ...]:
                 number("prior_austenite_grain", 60.0, "grains, um", LENGTH, "um"),
                 number("block", 30.0, "blocks, at most a grain, um", LENGTH, "um"),
                 number("colony", 15.0, "colonies, at most a block, um", LENGTH, "um"),
-                integer("seed", 1, "of every random stream", 0, 2**53 - 1),
+                integer("seed", 1, "seed of every random stream", 0, 2**53 - 1),
             ),
         ),
         Table(
@@ -73,7 +73,7 @@ def _material(laws: tuple[Law, ...]) -> Table:
             number(
                 "fracture_toughness",
                 40.0,
-                "K_max above it is no fatigue, which is said; no rate depends on it, MPa sqrt(m)",
+                "a warning names each K_max above it; no rate depends on it, MPa sqrt(m)",
                 Limits(1.0, 1e4),
                 "mpa_sqrt_m",
             ),
@@ -92,7 +92,7 @@ def _cycle_jump(laws: tuple[Law, ...]) -> Table:
             number(
                 "delta_d",
                 1.0,
-                "largest increment of a block: damage, or released force (compliance)",
+                "largest increment in a block: damage, or released force (compliance)",
                 Limits(1e-4, 1.0),
             ),
             number("tolerance", 0.02, 'error of a block in damage ("adaptive")', Limits(1e-6, 1.0)),
@@ -111,7 +111,7 @@ def _elements() -> Table:
             number("length", 4.0, "along the lamellae, um", LENGTH, "um"),
             word(
                 "refinement",
-                'where elements are fine: "follow" the crack, "corridor", "uniform"',
+                'where elements are fine: round the crack ("follow"), "corridor", "uniform"',
                 "follow",
                 "corridor",
                 "uniform",
@@ -167,7 +167,7 @@ def _damage(laws: tuple[Law, ...]) -> Table:
             ),
             word(
                 "stress",
-                "of a damaged interface: on the area left, or on all of it",
+                "stress of a damaged interface: on the area left, or on all of it",
                 "effective",
                 "nominal",
             ),
@@ -201,7 +201,7 @@ def _loading() -> Table:
                 "delta_k",
                 "numbers",
                 (8.0, 12.0, 18.0, 25.0),
-                "one task for each and mesh, MPa sqrt(m)",
+                "one task per value and mesh, MPa sqrt(m)",
                 3,
                 Limits(1e-3, 1e4),
             ),
@@ -233,7 +233,7 @@ def _run() -> tuple[Table, ...]:
                     "direct",
                 ),
                 number("relative_tolerance", 1e-9, "of the residual", Limits(1e-14, 0.1)),
-                integer("max_solves", 20000, "a task", 1, 10**7),
+                integer("max_solves", 20000, "limit of linear solves per task", 1, 10**7),
             ),
         ),
         Table(
@@ -241,7 +241,7 @@ def _run() -> tuple[Table, ...]:
             scene.Ensemble,
             "",
             (
-                integer("meshes", 4, "repetitions a state", 1, 100_000),
+                integer("meshes", 4, "repetitions per state", 1, 100_000),
                 integer("ranks_per_task", 1, "MPI ranks that share a task", 1, 100_000),
             ),
         ),
@@ -252,12 +252,12 @@ def _run() -> tuple[Table, ...]:
             (
                 word(
                     "fields",
-                    'ParaView files of the "first" mesh a state, "all" tasks or "none"',
+                    'ParaView files of the "first" mesh per state, "all" tasks or "none"',
                     "first",
                     "all",
                     "none",
                 ),
-                integer("field_steps", 20, "moments in each of them", 1, 10_000),
+                integer("field_steps", 20, "steps in each of these files", 1, 10_000),
                 switch("figures", True, "draw the figures"),
                 Key("experiment", "experiment", "text", "", 'CSV of measured points, "" for none'),
             ),

@@ -32,7 +32,7 @@ def scene_schema(laws: Laws = SHIPPED) -> dict[str, Any]:
     known = {name: _state(defaults) for name, defaults in SOURCE_STATES.items()}
     properties["states"] = {
         "type": "object",
-        "description": "one table a state; the source's five if left out",
+        "description": "one table per state; the source's five states if left out",
         "minProperties": 1,
         "maxProperties": MOST_STATES,
         "properties": known,

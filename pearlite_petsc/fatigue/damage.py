@@ -19,8 +19,8 @@ _STEEPEST = 0.75 * np.sqrt(3.0)
 def yield_stress(shear_strain: float) -> float:
     """Return the yield stress of sheared R260 [MPa], Eq. (33): 616 at gamma 2, 1024 at 30.
 
-    A power law through those two values; at gamma = 0 it gives 0 while the steel has 470, so the
-    program takes the yield stress of each state as data.
+    This is a power law through those two values; at gamma = 0 it gives 0 while the steel has 470,
+    so the yield stress of each state is an input of the program.
     """
     exponent = np.log(1024.0 / 616.0) / np.log(15.0)
     return float(616.0 * (shear_strain / 2.0) ** exponent)
@@ -42,7 +42,7 @@ def strength(
 
 
 def threshold_stress(interfaces: DamageInterfaces, damage: Damage) -> FloatArray:
-    """Return the stress range below which nothing grows [MPa]; (k,).
+    """Return the stress range below which no damage grows [MPa]; (k,).
 
     ``tip``: b Delta-K_th/sqrt(L), what a crack at Delta-K_th puts on an interface at its tip;
     ``remote``: the remote stress at Delta-K_th.
@@ -60,11 +60,12 @@ def straight_crack_factor(threshold_ratio: FloatArray) -> FloatArray:
     """Return f of da/dN = f (C/S) (b/sqrt(l_ref))^3 (Delta-K - Delta-K_th)^3, law ``objective``.
 
     f would be 1 if an interface bore b Delta-K/sqrt(L) until it breaks. What is left of a damaged
-    one bears more: 1/(1 - g D) times as much with the share g = 1/1.32 of the compliance, so that
-    f = 4g/(1 - (1 - g)^4) = 3.04 without a threshold; damage further ahead adds 4 %. Under a
-    threshold the excess grows faster than the stress, and f with it. Measured on straight cracks
-    in squares of 3 and 6 um, whose mean this is; they differ by 0.5 % without a threshold, by 6 %
-    at a ratio of 0.5, by 15 % at 0.8 (``pearlite verify --only objectivity``).
+    interface bears more: 1/(1 - g D) times as much, where g = 1/1.32 is its share of the
+    compliance, so f = 4g/(1 - (1 - g)^4) = 3.04 without a threshold; damage further ahead adds 4 %.
+    With a threshold the excess grows faster than the stress, and f with it. The values were
+    measured on straight cracks in square elements of 3 and 6 um and are the means of both, which
+    differ by 0.5 % without a threshold, by 6 % at a ratio of 0.5 and by 15 % at 0.8
+    (``pearlite verify --only objectivity``).
 
     Args:
         threshold_ratio: Delta-K_th/Delta-K; above 0.9 as at 0.9; any shape.

@@ -32,7 +32,7 @@ FIRST_FORMAT = 1
 
 @dataclass(frozen=True, slots=True)
 class _Column:
-    """A dataset with one value a task.
+    """A dataset with one value per task.
 
     Attributes:
         attribute: Of ``Outcome``.

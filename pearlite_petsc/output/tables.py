@@ -1,5 +1,5 @@
-"""CSV tables: one row a task (``fcg.csv``), one file a crack (``growth/*.csv``), one row a point
-(``da_dn.csv``).
+"""CSV tables: one row per task (``fcg.csv``), one file per crack (``growth/*.csv``), one row per
+point (``da_dn.csv``).
 
 Inside: um, MPa sqrt(um). In the tables: da/dN in m/cycle, Delta-K in MPa sqrt(m), lengths in um.
 """
@@ -95,7 +95,7 @@ def in_order(outcomes: Iterable[Outcome], states: Sequence[str]) -> list[Outcome
 
 
 def write_fcg(path: Path, outcomes: Iterable[Outcome], states: Sequence[str]) -> None:
-    """Write one row a task, failed ones included; numbers in full precision.
+    """Write one row per task, failed ones included; numbers in full precision.
 
     da/dN is ``nan`` where nothing grew or the crack arrested; the tortuosity is empty where it is not defined.
 

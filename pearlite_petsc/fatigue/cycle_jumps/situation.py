@@ -1,10 +1,10 @@
-"""What a cycle jump is given and what it returns.
+"""The input and output of a cycle jump.
 
 A cycle jump is called with the ``Situation`` at the start of a block. It returns a ``Block``, or
-None where no interface has a rate (arrest). One that needs the equilibrium at another damage is a
-generator: it yields a ``Trial``, is sent the jumps of the interfaces there, as often as it wants,
-and returns its block in the end. Whoever runs it ends the block at a trial that brings the crack
-to the window's edge, where no equilibrium need exist.
+None if no interface has a rate (arrest). A cycle jump that needs the equilibrium at another damage
+is a generator: as often as it wants, it yields a ``Trial`` and is sent the jumps of the interfaces
+there; in the end it returns its block. The caller ends the block at a trial that brings the crack
+to the window's edge, where an equilibrium need not exist.
 """
 
 from collections.abc import Callable, Generator, Mapping
@@ -23,8 +23,8 @@ class Memory:
     """What a cycle jump remembers from one block to the next.
 
     Attributes:
-        by_interface: Arrays by name; (k,) each. NaN means that nothing is known: what they are
-            made after a break nearby. They are dropped with the mesh.
+        by_interface: Arrays by name; (k,) each. NaN means that nothing is known; values are set
+            to NaN after a break nearby. The arrays are dropped with the mesh.
         numbers: Numbers by name, the same on all ranks.
     """
 
@@ -33,13 +33,13 @@ class Memory:
 
 
 class Coupling(Protocol):
-    """What couples the interfaces that soften together. Its methods are collective.
+    """The elastic coupling of the interfaces that soften together. Its methods are collective.
 
-    Interfaces are named by their numbers in the whole mesh, which all ranks give alike.
+    Interfaces are named by their numbers in the whole mesh; all ranks pass the same numbers.
     """
 
     def softening_interfaces(self, gain: FloatArray) -> IntArray:
-        """Return the numbers of those that count as softening, ascending; (a,).
+        """Return the numbers of the interfaces that count as softening, ascending; (a,).
 
         Args:
             gain: Damage that each interface will gain in the block; (k,).
@@ -62,9 +62,9 @@ class Coupling(Protocol):
         """Return some interfaces at the start of a block, with their mutual compliance.
 
         Args:
-            numbers: Which; (a,).
-            drive: Of all interfaces; (k,).
-            jump: Likewise [um, um, rad]; (k, 3).
+            numbers: Numbers of these interfaces; (a,).
+            drive: Drive of all interfaces; (k,).
+            jump: Jumps of all interfaces [um, um, rad]; (k, 3).
             stiffness_ratio: g of each; (k,).
             limit: D at which the block ends; (k,).
         """
@@ -72,19 +72,20 @@ class Coupling(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Situation:
-    """What is known at the start of a block; arrays are of this rank's interfaces.
+    """The state of the interfaces at the start of a block; arrays hold this rank's interfaces.
 
     Attributes:
         damage: D; (k,).
         jump: Normal, tangential and rotational jump in equilibrium [um, um, rad]; (k, 3).
-        stiffness: Intact springs.
+        stiffness: Stiffness of the intact springs.
         rates: Rate constants of the interfaces.
         failure_damage: D at which an interface breaks.
         nominal: Whether the law takes (1 - D) times the effective stress.
         stiffness_ratio: g of each interface; (k,).
         coupling: What couples the interfaces.
-        memory: What the block before returned.
-        least, greatest: Of a number over all ranks; to be called equally often by each.
+        memory: The memory that the block before returned.
+        least, greatest: Functions that return the least and the greatest of a number over all
+            ranks; every rank must call them equally often.
     """
 
     damage: FloatArray
