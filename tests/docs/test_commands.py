@@ -120,9 +120,14 @@ def report_commands(report: Path) -> Block:
     return Block(report.name, 0, "quick", "", unescape(commands))
 
 
-def test_readme_and_guides_work_in_reading_order_in_one_folder(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "pages", [READING_ORDER[:2], pytest.param(READING_ORDER, marks=pytest.mark.slow)], ids=len
+)
+def test_readme_and_guides_work_in_reading_order_in_one_folder(
+    pages: tuple[Path, ...], tmp_path: Path
+) -> None:
     folder = checkout(tmp_path)
-    for page in READING_ORDER:
+    for page in pages:
         follow_page(page, folder)
     follow(report_commands(folder / "runs" / "quickstart" / "report.html"), folder)
 
