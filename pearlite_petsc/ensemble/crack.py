@@ -14,7 +14,7 @@ from pearlite_petsc.ensemble.group import Group
 from pearlite_petsc.ensemble.store import Store
 from pearlite_petsc.ensemble.tasks import Task
 from pearlite_petsc.errors import PearliteError
-from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import Effort, Outcome, StopReason
 from pearlite_petsc.growth.loop import CrackGrowth
 from pearlite_petsc.growth.prepared import Prepared
 from pearlite_petsc.growth.ranks import on_first_rank
@@ -95,7 +95,7 @@ def failed(task: Task, error: BaseException, wall_s: float = 0.0) -> Outcome:
         delta_k=task.delta_k,
         stop_reason=StopReason.FAILED,
         message=f"{type(error).__name__}: {error}\n\n{trace}",
-        wall_s=wall_s,
+        effort=Effort(wall_s=wall_s),
     )
 
 

@@ -91,8 +91,7 @@ class Products:
             self._seen[number] = True
             kept = self._store.read_finished(self._tasks[number])
             if kept is not None:
-                row = replace(kept[0], history=None, path=None, broken_pairs=None)
-                self._rows[number] = row
+                self._rows[number] = replace(kept[0], history=None, shape=None)
         count = len(self._rows)
         if self._table.has_come(count, now):
             with self._table.taken(count):

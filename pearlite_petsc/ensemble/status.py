@@ -30,4 +30,4 @@ def status_of(outcome: Outcome) -> Status:
 
 def values_of(outcome: Outcome) -> FloatArray:
     """Return the measured values of a finished task; (columns,)."""
-    return np.array([outcome.wall_s, outcome.da_dn, REASONS.index(outcome.stop_reason)])
+    return np.array([outcome.effort.wall_s, outcome.da_dn, REASONS.index(outcome.stop_reason)])

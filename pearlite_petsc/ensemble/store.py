@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from pearlite_petsc.ensemble.flat_outcome import grouped
 from pearlite_petsc.ensemble.sealed_file import DamagedFileError, read_sealed, write_sealed
 from pearlite_petsc.ensemble.serialize import Arrays, deserialize, serialize
 from pearlite_petsc.ensemble.tasks import Task
@@ -81,7 +82,8 @@ class Store:
             return None
         try:
             header, arrays = self._read(path, task)
-            return deserialize(Outcome, header["outcome"], arrays), str(header["mesh"])
+            outcome = deserialize(Outcome, *grouped(header["outcome"], arrays))
+            return outcome, str(header["mesh"])
         except (DamagedFileError, KeyError, TypeError, ValueError) as error:
             _log.warning("%s; the task is computed again", error)
             return None

@@ -65,7 +65,7 @@ class Crack:
     @classmethod
     def _of(cls, scene: Scene, outcome: Outcome, finished: bool = True) -> "Crack":
         history = np.empty((0, len(GROWTH_COLUMNS))) if outcome.history is None else outcome.history
-        path = np.empty((0, 2)) if outcome.path is None else outcome.path
+        path = np.empty((0, 2)) if outcome.shape is None else outcome.shape.path
         return cls(
             scene=scene,
             state=outcome.state,
@@ -88,8 +88,8 @@ class Crack:
                 }
             ),
             path=Table({"x_um": path[:, 0], "y_um": path[:, 1]}),
-            solves=outcome.solves,
-            wall_s=float(outcome.wall_s),
+            solves=outcome.effort.solves,
+            wall_s=float(outcome.effort.wall_s),
             message=outcome.message,
         )
 

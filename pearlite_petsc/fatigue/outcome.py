@@ -83,6 +83,39 @@ class GrowthState:
     solves: int
 
 
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """What a task cost.
+
+    Attributes:
+        solves, refinements: Linear solves, meshes replaced on the way.
+        counters: Fallbacks and iterations of the solver ("iterations", "setups", "refreshed",
+            "direct", "loose_elements", ...).
+        wall_s: Wall time [s].
+        elements: Elements of the last mesh.
+    """
+
+    solves: int = 0
+    refinements: int = 0
+    counters: dict[str, float] = field(default_factory=dict)
+    wall_s: float = 0.0
+    elements: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CrackShape:
+    """What a crack looks like at the end.
+
+    Attributes:
+        path: Crack path [um]; (p, 2).
+        broken_pairs: Nuclei of the two elements of each broken interface, notch excluded, sorted;
+            (b, 2). Equal for the same crack on differently graded meshes.
+    """
+
+    path: FloatArray
+    broken_pairs: IntArray
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
     """Result of one task.
@@ -96,16 +129,11 @@ class Outcome:
         da_dn: Slope of crack length over cycles [um/cycle], NaN where nothing grew or the crack
             arrested.
         tortuosity: Path length over x-extent, None where the extent is below one colony.
-        solves, refinements: Linear solves, meshes replaced on the way.
-        counters: Fallbacks and iterations of the solver ("iterations", "setups", "refreshed",
-            "direct", "loose_elements", ...).
-        wall_s: Wall time [s].
-        elements: Elements of the last mesh.
         history: Columns cycles, crack_length, path_length, broken_interfaces, K_I and K_II at the
             tip over Delta-K and the misfit of their measurement, NaN where there is none; (h, 7).
-        path: Crack path at the end [um]; (p, 2).
-        broken_pairs: Nuclei of the two elements of each broken interface, notch excluded, sorted;
-            (b, 2). Equal for the same crack on differently graded meshes.
+        effort: What it cost.
+        shape: What the crack looks like at the end, None where a task failed or where only a table
+            is left of it.
     """
 
     state: str
@@ -117,11 +145,6 @@ class Outcome:
     extension: float = 0.0
     da_dn: float = float("nan")
     tortuosity: float | None = None
-    solves: int = 0
-    refinements: int = 0
-    counters: dict[str, float] = field(default_factory=dict)
-    wall_s: float = 0.0
-    elements: int = 0
     history: FloatArray | None = None
-    path: FloatArray | None = None
-    broken_pairs: IntArray | None = None
+    effort: Effort = field(default_factory=Effort)
+    shape: CrackShape | None = None

@@ -9,7 +9,7 @@ import numpy as np
 
 from pearlite_petsc.arrays import BoolArray, FloatArray
 from pearlite_petsc.fatigue.growth_rate import advances, slope
-from pearlite_petsc.fatigue.outcome import Crack, Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import Crack, CrackShape, Effort, Outcome, StopReason
 from pearlite_petsc.growth.case import CrackCase
 from pearlite_petsc.growth.refinement import interface_pairs
 from pearlite_petsc.mechanics.tip_fields import TipFields
@@ -132,12 +132,13 @@ def outcome_of(
         extension=extension,
         da_dn=rate,
         tortuosity=crack.path_length / extension if long_enough else None,
-        solves=record.solves,
-        refinements=record.refinements,
-        counters={name: float(count) for name, count in counters.items()},
-        wall_s=record.wall_s,
-        elements=mesh.element_count,
         history=history,
-        path=crack.path,
-        broken_pairs=pairs,
+        effort=Effort(
+            solves=record.solves,
+            refinements=record.refinements,
+            counters={name: float(count) for name, count in counters.items()},
+            wall_s=record.wall_s,
+            elements=mesh.element_count,
+        ),
+        shape=CrackShape(crack.path, pairs),
     )

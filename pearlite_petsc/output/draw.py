@@ -58,11 +58,11 @@ def figure_jobs(result: Result) -> list[Job]:
     jobs: list[Job] = [("microstructure", partial(_microstructure, folder, scene))]
     for state in scene.states:
         stem = f"path_{state.name}"
-        if any(o.state == state.name and o.path is not None for o in outcomes):
+        if any(o.state == state.name and o.shape is not None for o in outcomes):
             jobs.append((stem, partial(_state_path, result, state)))
     if field_stems(result):
         jobs.append(("mesh", partial(_mesh, result)))
-    if any(o.path is not None for o in outcomes):
+    if any(o.shape is not None for o in outcomes):
         jobs.append(("paths", partial(_paths, folder, scene, outcomes)))
     if any(o.history is not None for o in outcomes):
         jobs.append(("growth", partial(draw_growth, folder / "growth", outcomes, names)))
@@ -155,9 +155,9 @@ def _paths(folder: Path, scene: Scene, outcomes: Sequence[Outcome]) -> None:
     level = middle_delta_k(scene)
     paths = {
         state.name: [
-            PathLine(f"mesh {o.mesh_index}", o.path)
+            PathLine(f"mesh {o.mesh_index}", o.shape.path)
             for o in outcomes
-            if o.state == state.name and o.delta_k == level and o.path is not None
+            if o.state == state.name and o.delta_k == level and o.shape is not None
         ]
         for state in scene.states
     }
@@ -169,14 +169,14 @@ def _paths(folder: Path, scene: Scene, outcomes: Sequence[Outcome]) -> None:
 def _state_path(result: Result, state: State) -> None:
     scene, stem = result.scene, field_stems(result).get(state.name)
     own = sorted(
-        (o for o in result.outcomes if o.state == state.name and o.path is not None),
+        (o for o in result.outcomes if o.state == state.name and o.shape is not None),
         key=lambda o: (o.mesh_index, o.delta_k),
     )
     index = own[0].mesh_index
     lines = [
-        PathLine(f"ΔK = {o.delta_k / MPA_SQRT_UM:g} MPa√m", o.path)
+        PathLine(f"ΔK = {o.delta_k / MPA_SQRT_UM:g} MPa√m", o.shape.path)
         for o in own
-        if o.mesh_index == index and o.path is not None
+        if o.mesh_index == index and o.shape is not None
     ]
     last, last_delta_k = None, ""
     for o in own:

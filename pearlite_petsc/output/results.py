@@ -6,6 +6,7 @@ Names and units are those of ``fcg.csv`` and ``growth/*.csv``.
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy as np
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.errors import SceneError
-from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import CrackShape, Effort, Outcome, StopReason
 from pearlite_petsc.output.safe_stream import hdf5_file
 from pearlite_petsc.output.tables import (
     GROWTH_COLUMNS,
@@ -27,7 +28,7 @@ from pearlite_petsc.output.whole_file import whole_file
 
 FORMAT_VERSION = 2
 FIRST_FORMAT = 1
-"""Of version 0.1.0: datasets have the names of the outcome's attributes and its units."""
+"""Of version 0.1.0: datasets have the names and units of the program's attributes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +36,7 @@ class _Column:
     """A dataset with one value per task.
 
     Attributes:
-        attribute: Of ``Outcome``.
+        attribute: Of ``Outcome``, or of its effort as ``effort.solves``.
         name: Of the dataset.
         unit, description: Its attributes.
         to_file, from_file: Between the program's unit and the file's.
@@ -47,6 +48,11 @@ class _Column:
     description: str
     to_file: Callable[[Any], Any] = lambda value: value
     from_file: Callable[[Any], Any] = lambda value: value
+
+    @property
+    def first_name(self) -> str:
+        """Name of the dataset in files of 0.1.0."""
+        return self.attribute.rpartition(".")[2]
 
 
 _COLUMNS = (
@@ -87,12 +93,12 @@ _COLUMNS = (
         lambda value: np.nan if value is None else value,
         lambda value: None if np.isnan(value) else value,
     ),
-    _Column("solves", "solves", "1", "linear solves"),
-    _Column("refinements", "refinements", "1", "meshes replaced on the way"),
-    _Column("wall_s", "wall_s", "s", "wall time"),
-    _Column("elements", "elements", "1", "elements of the last mesh"),
+    _Column("effort.solves", "solves", "1", "linear solves"),
+    _Column("effort.refinements", "refinements", "1", "meshes replaced on the way"),
+    _Column("effort.wall_s", "wall_s", "s", "wall time"),
+    _Column("effort.elements", "elements", "1", "elements of the last mesh"),
     _Column(
-        "counters",
+        "effort.counters",
         "counters",
         "1",
         "JSON: fallbacks and iterations of the solver",
@@ -100,6 +106,7 @@ _COLUMNS = (
         json.loads,
     ),
 )
+_EFFORT = "effort."
 _HISTORY = np.dtype(
     [(name, np.int64 if name == "broken_interfaces" else np.float64) for name in GROWTH_COLUMNS]
 )
@@ -149,7 +156,7 @@ def write_results(
             _put(file, "experiment", experiment_text, "1", "measured points (CSV)")
         table = file.create_group("outcomes")
         for column in _COLUMNS:
-            values = [column.to_file(getattr(o, column.attribute)) for o in outcomes]
+            values = [column.to_file(attrgetter(column.attribute)(o)) for o in outcomes]
             text = any(isinstance(value, str) for value in values)
             data = values if text else np.array(values)
             _put(table, column.name, data, column.unit, column.description)
@@ -186,12 +193,11 @@ def _put_arrays(group: Any, outcome: Outcome) -> None:
         units = "cycle, um, um, 1, 1, 1, 1"
         about = "N, furthest x, length of the path, broken, K_I, K_II over Delta-K, misfit of K"
         _put(group, "history", rows, units, about)
-    if outcome.path is not None:
+    if outcome.shape is not None:
         about = "vertices of the crack path at the end, x and y"
-        _put(group, "path_um", outcome.path, "um", about)
-    if outcome.broken_pairs is not None:
+        _put(group, "path_um", outcome.shape.path, "um", about)
         about = "nuclei of the two elements of each broken interface, notch excluded"
-        _put(group, "broken_pairs", outcome.broken_pairs, "1", about)
+        _put(group, "broken_pairs", outcome.shape.broken_pairs, "1", about)
 
 
 def _put(group: Any, name: str, data: Any, unit: str, description: str) -> None:
@@ -205,7 +211,7 @@ def _put(group: Any, name: str, data: Any, unit: str, description: str) -> None:
 def _outcomes(file: Any, first: bool) -> tuple[Outcome, ...]:
     columns: dict[str, list[Any]] = {}
     for column in _COLUMNS:
-        dataset = file["outcomes"][column.attribute if first else column.name]
+        dataset = file["outcomes"][column.first_name if first else column.name]
         text = h5py.check_string_dtype(dataset.dtype) is not None
         columns[column.attribute] = (dataset.asstr()[()] if text else dataset[()]).tolist()
     outcomes = []
@@ -216,17 +222,25 @@ def _outcomes(file: Any, first: bool) -> tuple[Outcome, ...]:
             if not same_unit:
                 row[column.attribute] = column.from_file(row[column.attribute])
         group = file["tasks"][task_name(row["state"], row["mesh_index"], row["delta_k"])]
-        outcomes.append(Outcome(**row, **_arrays(group, first)))
+        effort = {
+            name.removeprefix(_EFFORT): row.pop(name)
+            for name in columns
+            if name.startswith(_EFFORT)
+        }
+        outcomes.append(
+            Outcome(
+                **row,
+                history=_side_by_side(group["history"][()], first) if "history" in group else None,
+                effort=Effort(**effort),
+                shape=_shape(group, first),
+            )
+        )
     return tuple(outcomes)
 
 
-def _arrays(group: Any, first: bool) -> dict[str, Any]:
-    names = {"history": "history", "path": "path" if first else "path_um"}
-    names["broken_pairs"] = "broken_pairs"
-    arrays = {name: group[place][()] for name, place in names.items() if place in group}
-    if "history" in arrays:
-        arrays["history"] = _side_by_side(arrays["history"], first)
-    return arrays
+def _shape(group: Any, first: bool) -> CrackShape | None:
+    path = "path" if first else "path_um"
+    return CrackShape(group[path][()], group["broken_pairs"][()]) if path in group else None
 
 
 def _side_by_side(stored: Any, first: bool) -> FloatArray:

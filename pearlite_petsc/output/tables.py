@@ -15,7 +15,7 @@ import numpy as np
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.fatigue.growth_rate import advances, incremental_polynomial, secant
-from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import Effort, Outcome, StopReason
 from pearlite_petsc.output.whole_file import whole_file
 from pearlite_petsc.scene import Scene
 
@@ -118,8 +118,8 @@ def write_fcg(path: Path, outcomes: Iterable[Outcome], states: Sequence[str]) ->
                     repr(float(o.extension)),
                     "" if o.tortuosity is None else repr(float(o.tortuosity)),
                     o.stop_reason.value,
-                    o.solves,
-                    repr(float(o.wall_s)),
+                    o.effort.solves,
+                    repr(float(o.effort.wall_s)),
                 )
             )
 
@@ -181,8 +181,7 @@ def _outcome(row: dict[str, str]) -> Outcome:
         extension=float(row["extension_um"]),
         da_dn=float(row["da_dn_m_per_cycle"]) * UM_PER_M,
         tortuosity=None if math.isnan(tortuosity) else tortuosity,
-        solves=int(row["solves"]),
-        wall_s=float(row["wall_s"]),
+        effort=Effort(solves=int(row["solves"]), wall_s=float(row["wall_s"])),
     )
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from pearlite_petsc.arrays import FloatArray
 from pearlite_petsc.ensemble.serialize import deserialize, serialize
-from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import CrackShape, Effort, Outcome, StopReason
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,12 +53,17 @@ def test_what_is_none_or_empty_stays_so() -> None:
 
 
 def test_an_outcome_with_all_its_arrays_comes_back() -> None:
-    arrays = {"history": np.eye(4), "path": np.ones((3, 2)), "broken_pairs": np.array([[1, 2]])}
-    outcome = Outcome("severe_AT", 3, 8e3, StopReason.BOUNDARY, counters={"a": 1.0}, **arrays)
+    effort = Effort(5, 2, {"a": 1.0}, 0.1 + 0.2, 900)
+    shape = CrackShape(np.ones((3, 2)), np.array([[1, 2]]))
+    outcome = Outcome(
+        "severe_AT", 3, 8e3, StopReason.BOUNDARY, history=np.eye(4), effort=effort, shape=shape
+    )
     back = through_json(outcome)
     assert back.stop_reason is StopReason.BOUNDARY
-    assert math.isnan(back.da_dn) and back.tortuosity is None and back.counters == {"a": 1.0}
-    assert all(np.array_equal(getattr(back, name), value) for name, value in arrays.items())
+    assert math.isnan(back.da_dn) and back.tortuosity is None and back.effort == effort
+    assert np.array_equal(back.history, np.eye(4))
+    assert np.array_equal(back.shape.path, shape.path)
+    assert np.array_equal(back.shape.broken_pairs, shape.broken_pairs)
 
 
 def test_a_field_that_the_type_has_not_is_refused() -> None:

@@ -11,13 +11,21 @@ import pytest
 
 from pearlite_petsc.config import scene_hash
 from pearlite_petsc.ensemble.campaign import look_back
+from pearlite_petsc.ensemble.sealed_file import write_sealed
 from pearlite_petsc.ensemble.serialize import serialize
 from pearlite_petsc.ensemble.status import Status
-from pearlite_petsc.ensemble.store import Store, mesh_hash
+from pearlite_petsc.ensemble.store import Store, finished_file, mesh_hash
 from pearlite_petsc.ensemble.tasks import Task, all_tasks
 from pearlite_petsc.errors import SceneError
 from pearlite_petsc.fatigue.damage_state import notched
-from pearlite_petsc.fatigue.outcome import Crack, GrowthState, Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import (
+    Crack,
+    CrackShape,
+    Effort,
+    GrowthState,
+    Outcome,
+    StopReason,
+)
 from pearlite_petsc.growth.checkpoint import FORM, Checkpoint
 from pearlite_petsc.growth.prepared import prepare_growth
 from pearlite_petsc.growth.record import new_record
@@ -85,6 +93,46 @@ def test_a_finished_task_comes_back_and_its_checkpoints_are_gone(store: Store, t
     assert store.read_checkpoint(task, "mesh") is None
     store.forget_finished(task)
     assert store.read_finished(task) is None
+
+
+def test_a_finished_task_with_its_entries_side_by_side_is_read(store: Store, task: Task) -> None:
+    values = {"state": task.state.name, "mesh_index": 0, "delta_k": task.delta_k}
+    values |= {"stop_reason": "grown", "message": "", "cycles": 7.5, "extension": 2.0}
+    values |= {"da_dn": 0.1 + 0.2, "solves": 30, "refinements": 2, "wall_s": 1.5, "elements": 900}
+    values |= {"counters": {"iterations": 70.0}}
+    arrays = {"history": np.full((3, 7), 0.1), "path": np.ones((4, 2))}
+    arrays["broken_pairs"] = np.array([[1, 2], [3, 4]])
+    header = {"scene": "scene one", "task": task.name, "mesh": "mesh", "outcome": values}
+    write_sealed(finished_file(store.folder, task), header, arrays)
+    found = store.read_finished(task)
+    assert found is not None
+    wanted = Outcome(
+        task.state.name,
+        0,
+        task.delta_k,
+        StopReason.GROWN,
+        cycles=7.5,
+        extension=2.0,
+        da_dn=0.1 + 0.2,
+        history=arrays["history"],
+        effort=Effort(30, 2, {"iterations": 70.0}, 1.5, 900),
+        shape=CrackShape(arrays["path"], arrays["broken_pairs"]),
+    )
+    assert_same(found[0], wanted)
+
+
+def test_a_failed_task_with_its_entries_side_by_side_has_no_shape(store: Store, task: Task) -> None:
+    values = {"state": task.state.name, "mesh_index": 0, "delta_k": task.delta_k}
+    values |= {"stop_reason": "failed", "message": "no equilibrium", "wall_s": 1.5}
+    header = {"scene": "scene one", "task": task.name, "mesh": "mesh", "outcome": values}
+    write_sealed(finished_file(store.folder, task), header, {})
+    found = store.read_finished(task)
+    assert found is not None
+    assert (found[0].message, found[0].effort, found[0].shape) == (
+        "no equilibrium",
+        Effort(wall_s=1.5),
+        None,
+    )
 
 
 def test_two_checkpoints_are_kept_and_the_newest_counts(store: Store, task: Task) -> None:

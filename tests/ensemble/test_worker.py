@@ -23,7 +23,7 @@ from pearlite_petsc.ensemble.store import Store
 from pearlite_petsc.ensemble.tasks import Task, all_tasks
 from pearlite_petsc.ensemble.worker import Worker
 from pearlite_petsc.errors import MeshError
-from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import CrackShape, Effort, Outcome, StopReason
 from pearlite_petsc.scene import Scene, State
 from tests.scenes import STATES, default_scene
 
@@ -97,10 +97,9 @@ class Work:
             cycles=1e4,
             extension=1.0,
             da_dn=1e-4,
-            wall_s=0.5,
             history=history,
-            path=path,
-            broken_pairs=np.array([[1, 2]]),
+            effort=Effort(wall_s=0.5),
+            shape=CrackShape(path, np.array([[1, 2]])),
         )
 
     def close(self) -> None:

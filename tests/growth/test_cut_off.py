@@ -61,6 +61,6 @@ def test_element_cut_off_without_load_is_counted_and_the_crack_grows_on() -> Non
     growth = growth_of(prepared, replace(mesh, kind=kind))
     outcome = growth.grown()
     assert outcome is not None
-    assert outcome.counters["loose_elements"] >= 1
+    assert outcome.effort.counters["loose_elements"] >= 1
     assert outcome.da_dn > 0.0
-    assert outcome.counters.get("direct", 0) == 0
+    assert outcome.effort.counters.get("direct", 0) == 0

@@ -42,11 +42,15 @@ def test_solves_by_the_direct_solver_are_counted_and_the_crack_stays_the_same(
     request: pytest.FixtureRequest,
 ) -> None:
     undisturbed = grown()
-    assert undisturbed.counters.get("direct", 0) == undisturbed.counters.get("refreshed", 0) == 0
+    assert (
+        undisturbed.effort.counters.get("direct", 0)
+        == undisturbed.effort.counters.get("refreshed", 0)
+        == 0
+    )
     request.getfixturevalue("one_iteration")
     fallen_back = grown()
-    assert fallen_back.counters["direct"] > 0.8 * fallen_back.solves
-    assert np.array_equal(fallen_back.broken_pairs, undisturbed.broken_pairs)
+    assert fallen_back.effort.counters["direct"] > 0.8 * fallen_back.effort.solves
+    assert np.array_equal(fallen_back.shape.broken_pairs, undisturbed.shape.broken_pairs)
     assert fallen_back.da_dn == pytest.approx(undisturbed.da_dn, rel=1e-6)
 
 

@@ -29,8 +29,8 @@ def iterations_along_a_crack(monkeypatch: pytest.MonkeyPatch) -> tuple[list[int]
     prepared = prepare_growth(scene, state, index)
     outcome = CrackGrowth(MPI.COMM_SELF, scene, state, 18e3, prepared).grown()
     assert outcome is not None
-    assert not {"refreshed", "direct"} & {*outcome.counters}
-    return found, outcome.counters
+    assert not {"refreshed", "direct"} & {*outcome.effort.counters}
+    return found, outcome.effort.counters
 
 
 def test_no_solve_on_the_way_takes_more_than_forty(monkeypatch: pytest.MonkeyPatch) -> None:

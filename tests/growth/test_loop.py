@@ -64,7 +64,7 @@ def test_a_crack_leaves_nothing_behind_for_the_garbage_collector(method: str) ->
     gc.disable()
     try:
         outcome = growth.grown()
-        assert outcome is not None and outcome.refinements > 0
+        assert outcome is not None and outcome.effort.refinements > 0
         domain, crack = weakref.ref(growth.domain), weakref.ref(growth)
         del growth
         assert domain() is None and crack() is None
@@ -85,12 +85,12 @@ def test_crack_goes_on_from_a_checkpoint_bit_for_bit(state: str) -> None:
     assert (steps[0].cycles, steps[0].solves) == (0.0, 1)
     whole = growth.outcome(steps[-1].stop)
     growth.close()
-    assert whole is not None and whole.history is not None and whole.refinements > 0
+    assert whole is not None and whole.history is not None and whole.effort.refinements > 0
     for checkpoint in checkpoints[0 : -1 : max(len(checkpoints) // 4, 1)]:
         rest = grow(scene, state, checkpoint=checkpoint)
         assert rest.da_dn == whole.da_dn
         assert np.array_equal(rest.history, whole.history)
-        assert rest.counters == whole.counters
+        assert rest.effort.counters == whole.effort.counters
 
 
 def test_factors_made_anew_in_a_block_are_made_anew_after_a_checkpoint_too(
@@ -115,15 +115,15 @@ def test_factors_made_anew_in_a_block_are_made_anew_after_a_checkpoint_too(
     for checkpoint in checkpoints[:3]:
         rest = grow(scene, checkpoint=checkpoint)
         assert np.array_equal(rest.history, whole.history)
-        assert rest.counters == whole.counters
+        assert rest.effort.counters == whole.effort.counters
 
 
 @pytest.mark.parametrize("state", ["moderate_AT", "severe_AT", "moderate_TA"])
 def test_crack_on_the_mesh_that_follows_it_is_that_of_the_uniform_mesh(state: str) -> None:
     follows = grow(small_scene(), state)
     uniform = grow(small_scene(elements={"refinement": "uniform"}), state)
-    assert follows.elements < 0.8 * uniform.elements
-    assert np.array_equal(follows.broken_pairs, uniform.broken_pairs)
+    assert follows.effort.elements < 0.8 * uniform.effort.elements
+    assert np.array_equal(follows.shape.broken_pairs, uniform.shape.broken_pairs)
     assert follows.cycles == pytest.approx(uniform.cycles, rel=0.03)
 
 
@@ -146,7 +146,7 @@ def test_load_whose_pull_changes_fast_near_the_window_edge_is_followed() -> None
         outcomes.append(growth.grown())
     whole, fine = outcomes
     assert whole is not None and fine is not None
-    assert np.array_equal(whole.broken_pairs, fine.broken_pairs)
+    assert np.array_equal(whole.shape.broken_pairs, fine.shape.broken_pairs)
     assert whole.cycles == pytest.approx(fine.cycles, rel=0.03)
 
 
@@ -159,7 +159,7 @@ def test_crack_that_ends_at_the_window_edge_has_grown_all_the_same() -> None:
 def test_direct_and_iterative_solver_grow_one_crack() -> None:
     iterative = grow(small_scene())
     direct = grow(small_scene(solver={"method": "direct"}))
-    assert np.array_equal(iterative.broken_pairs, direct.broken_pairs)
+    assert np.array_equal(iterative.shape.broken_pairs, direct.shape.broken_pairs)
     assert iterative.da_dn == pytest.approx(direct.da_dn, rel=1e-6)
 
 
@@ -167,7 +167,7 @@ def test_without_a_threshold_twice_the_load_grows_the_same_crack_eight_times_as_
     scene = small_scene()
     once = grow(scene, delta_k=10e3, delta_k_th=0.0)
     twice = grow(scene, delta_k=20e3, delta_k_th=0.0)
-    assert np.array_equal(once.broken_pairs, twice.broken_pairs)
+    assert np.array_equal(once.shape.broken_pairs, twice.shape.broken_pairs)
     assert twice.da_dn / once.da_dn == pytest.approx(8.0, rel=1e-6)
 
 
@@ -176,8 +176,8 @@ def test_one_block_a_break_is_as_good_as_fifty_of_another_method(state: str) -> 
     # Exponential blocks know nothing of what couples the interfaces.
     exact = grow(small_scene(cycle_jump={"method": "exponential", "delta_d": 0.02}), state)
     once = grow(small_scene(), state)
-    assert once.solves < 1.5 * len(once.broken_pairs)
-    assert exact.solves > 20 * once.solves
+    assert once.effort.solves < 1.5 * len(once.shape.broken_pairs)
+    assert exact.effort.solves > 20 * once.effort.solves
     assert common_share(once, exact) >= SAME_PATH
     assert once.cycles == pytest.approx(exact.cycles, rel=0.04)
 
@@ -203,7 +203,7 @@ def test_every_cycle_jump_comes_to_one_life(
 def test_load_below_the_threshold_arrests_at_once() -> None:
     outcome = grow(small_scene(), delta_k=2e3)
     assert outcome.stop_reason is StopReason.ARRESTED
-    assert outcome.solves == 1
+    assert outcome.effort.solves == 1
     assert outcome.cycles == outcome.extension == 0.0
     assert np.isnan(outcome.da_dn) and outcome.tortuosity is None
 
@@ -219,7 +219,7 @@ def test_task_stops_at_its_limit_of_solves() -> None:
     outcome = grow(small_scene(solver={"max_solves": 5}))
     assert outcome.stop_reason is StopReason.MAX_SOLVES
     # A block goes on until its end is borne out.
-    assert outcome.solves in (5, 6)
+    assert outcome.effort.solves in (5, 6)
 
 
 def test_crack_that_leaves_a_corridor_says_so() -> None:
@@ -288,7 +288,7 @@ def test_no_crack_of_the_quickstart_is_left_to_the_solver(state: str, springs: s
             for each in (scene, direct)
         )
         assert found is not None and exact is not None
-        assert np.array_equal(found.broken_pairs, exact.broken_pairs)
+        assert np.array_equal(found.shape.broken_pairs, exact.shape.broken_pairs)
         assert found.cycles == pytest.approx(exact.cycles, rel=1e-6)
-        assert found.counters["iterations"] < 40 * found.counters["solves"]
-        assert not {"refreshed", "direct"} & set(found.counters)
+        assert found.effort.counters["iterations"] < 40 * found.effort.counters["solves"]
+        assert not {"refreshed", "direct"} & set(found.effort.counters)

@@ -76,5 +76,5 @@ def test_counts_add_up_and_those_of_nothing_are_left_out() -> None:
     assert (record.solves, record.refinements, record.wall_s) == (2, 1, 3.0)
     assert dict(record.counters) == {"iterations": 12, "setups": 1}
     found = outcome(record, StopReason.BOUNDARY, 29.0, 0.0)
-    assert found.counters == {"iterations": 12.0, "setups": 1.0, "loose_elements": 1.0}
-    assert found.broken_pairs is not None and len(found.broken_pairs) == 2
+    assert found.effort.counters == {"iterations": 12.0, "setups": 1.0, "loose_elements": 1.0}
+    assert found.shape is not None and len(found.shape.broken_pairs) == 2

@@ -53,7 +53,7 @@ def test_cracks_on_a_shared_domain_are_the_same_bit_for_bit(method: str, refinem
         one, alone = (grown(scene, prepared, delta_k, domain) for domain in (again, None))
         assert len(one.history) > 3
         assert np.array_equal(one.history, alone.history)
-        assert one.counters == alone.counters
+        assert one.effort.counters == alone.effort.counters
     shared.close()
 
 
@@ -75,5 +75,5 @@ def test_a_closed_domain_is_made_anew() -> None:
     shared.close()
     after = shared.domain(0, prepared)
     assert after is not before
-    assert grown(scene, prepared, LEVELS[0], after).solves > 3
+    assert grown(scene, prepared, LEVELS[0], after).effort.solves > 3
     shared.close()

@@ -51,13 +51,13 @@ def grown(state: str, wake: str) -> Outcome:
 def test_a_coarse_wake_changes_nothing_but_the_price(state: str) -> None:
     fine, coarse = grown(state, "fine"), grown(state, "coarse")
     assert fine.extension > 100.0
-    assert coarse.elements < 0.75 * fine.elements
-    assert np.array_equal(coarse.broken_pairs, fine.broken_pairs)
+    assert coarse.effort.elements < 0.75 * fine.effort.elements
+    assert np.array_equal(coarse.shape.broken_pairs, fine.shape.broken_pairs)
     assert coarse.da_dn == pytest.approx(fine.da_dn, rel=0.01)
     assert coarse.tortuosity == pytest.approx(fine.tortuosity, rel=1e-6)
-    assert coarse.path is not None and fine.path is not None
-    assert coarse.path.shape == fine.path.shape
-    assert np.abs(coarse.path - fine.path).max() < 0.01
+    assert coarse.shape is not None and fine.shape is not None
+    assert coarse.shape.path.shape == fine.shape.path.shape
+    assert np.abs(coarse.shape.path - fine.shape.path).max() < 0.01
     assert coarse.history is not None and fine.history is not None
     assert np.allclose(coarse.history[:, 1:4], fine.history[:, 1:4], rtol=1e-6)
     # K_I and K_II at the tip over Delta-K, and the misfit of their measurement.
@@ -86,9 +86,9 @@ def test_crack_with_a_coarse_wake_goes_on_from_a_checkpoint_bit_for_bit() -> Non
         assert rest is not None
         assert rest.da_dn == whole.da_dn
         assert np.array_equal(rest.history, whole.history)
-        assert np.array_equal(rest.path, whole.path)
-        assert np.array_equal(rest.broken_pairs, whole.broken_pairs)
-        assert rest.counters == whole.counters
+        assert np.array_equal(rest.shape.path, whole.shape.path)
+        assert np.array_equal(rest.shape.broken_pairs, whole.shape.broken_pairs)
+        assert rest.effort.counters == whole.effort.counters
 
 
 def straight_tracker(broken: int, gap: int | None = None) -> CrackTracker:

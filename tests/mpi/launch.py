@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -129,8 +130,8 @@ def assert_same_cracks(folder: Path, other: Path) -> None:
     assert rows(folder) == rows(other)
     compared = 0
     for mine, theirs in zip(outcomes(folder), outcomes(other), strict=True):
-        for name in ("history", "path", "broken_pairs"):
-            values = getattr(mine, name)
-            assert np.array_equal(values, getattr(theirs, name)), f"{mine.state} {name}"
+        for name in ("history", "shape.path", "shape.broken_pairs"):
+            values, others = map(attrgetter(name), (mine, theirs))
+            assert np.array_equal(values, others), f"{mine.state} {name}"
             compared += len(values)
     assert compared > 0

@@ -140,6 +140,8 @@ def test_two_ranks_a_crack_follow_it_as_one_does(tmp_path: Path) -> None:
     together = run(2, tmp_path, *given, "--ranks-per-task", 2)
     assert together.returncode == 0, together.stderr
     for mine, theirs in zip(one, outcomes(tmp_path), strict=True):
-        assert mine.broken_pairs is not None and theirs.broken_pairs is not None
-        assert sorted(map(tuple, mine.broken_pairs)) == sorted(map(tuple, theirs.broken_pairs))
+        assert mine.shape is not None and theirs.shape is not None
+        assert sorted(map(tuple, mine.shape.broken_pairs)) == sorted(
+            map(tuple, theirs.shape.broken_pairs)
+        )
         assert theirs.da_dn == pytest.approx(mine.da_dn, rel=1e-5)

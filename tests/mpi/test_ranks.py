@@ -20,11 +20,11 @@ def test_two_ranks_that_share_a_task_agree_with_one_up_to_the_solver(
 ) -> None:
     pairs = zip(outcomes(reference_of_pairs), outcomes(reference), strict=True)
     for mine, alone in pairs:
-        assert mine.broken_pairs is not None
-        assert alone.broken_pairs is not None
-        assert len(mine.broken_pairs)
-        assert np.array_equal(mine.broken_pairs, alone.broken_pairs)
-        assert mine.solves == alone.solves
+        assert mine.shape is not None
+        assert alone.shape is not None
+        assert len(mine.shape.broken_pairs)
+        assert np.array_equal(mine.shape.broken_pairs, alone.shape.broken_pairs)
+        assert mine.effort.solves == alone.effort.solves
         assert mine.cycles == pytest.approx(alone.cycles, rel=1e-6)
         assert mine.da_dn == pytest.approx(alone.da_dn, rel=1e-6)
         assert mine.tortuosity == pytest.approx(alone.tortuosity, rel=1e-9)
@@ -51,8 +51,8 @@ def test_more_ranks_a_task_break_the_same_interfaces(
     shared, alone = outcomes(tmp_path), outcomes(short_cracks)
     assert len(shared) == 3
     for mine, other in zip(shared, alone, strict=True):
-        assert mine.broken_pairs is not None and len(mine.broken_pairs)
-        assert np.array_equal(mine.broken_pairs, other.broken_pairs)
+        assert mine.shape is not None and len(mine.shape.broken_pairs)
+        assert np.array_equal(mine.shape.broken_pairs, other.shape.broken_pairs)
         assert mine.da_dn == pytest.approx(other.da_dn, rel=1e-6)
 
 
@@ -70,7 +70,7 @@ def test_two_ranks_that_share_a_crack_with_a_coarse_wake_agree_with_one(tmp_path
     alone, shared = (outcomes(folder) for folder in folders)
     for mine, other in zip(shared, alone, strict=True):
         assert mine.extension > 45.0 or mine.state == "moderate_TA"
-        assert np.array_equal(mine.broken_pairs, other.broken_pairs)
+        assert np.array_equal(mine.shape.broken_pairs, other.shape.broken_pairs)
         assert mine.da_dn == pytest.approx(other.da_dn, rel=1e-6)
 
 
@@ -79,4 +79,4 @@ def test_half_cycles_are_for_one_rank_alone(ranks: int, tmp_path: Path) -> None:
     loose = ("--set", "solver.method=iterative", "--set", "solver.relative_tolerance=1e-6")
     done = run(ranks, tmp_path, "--ranks-per-task", ranks, *SHORT, *loose)
     assert done.returncode == 0, done.stderr
-    assert [("upward" in crack.counters) for crack in outcomes(tmp_path)] == [ranks == 1] * 3
+    assert [("upward" in crack.effort.counters) for crack in outcomes(tmp_path)] == [ranks == 1] * 3

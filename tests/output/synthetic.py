@@ -4,7 +4,14 @@ import numpy as np
 from scipy.spatial import Voronoi
 
 from pearlite_petsc.arrays import FloatArray, IntArray
-from pearlite_petsc.fatigue.outcome import Crack, GrowthState, Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import (
+    Crack,
+    CrackShape,
+    Effort,
+    GrowthState,
+    Outcome,
+    StopReason,
+)
 from pearlite_petsc.scene import Kind
 from pearlite_petsc.tessellation.mesh import Mesh
 
@@ -202,11 +209,6 @@ def _task(rng: np.random.Generator, state: str, mesh: int, delta_k: float, da_dn
         extension=60.0,
         da_dn=da_dn,
         tortuosity=TORTUOSITY[state] + 0.03 * float(rng.standard_normal()),
-        solves=90,
-        refinements=3,
-        counters={"iterations": 1800.0, "direct": 0.0},
-        wall_s=1.5,
-        elements=900,
         history=np.stack(
             [
                 cycles,
@@ -217,6 +219,6 @@ def _task(rng: np.random.Generator, state: str, mesh: int, delta_k: float, da_dn
             ],
             axis=1,
         ),
-        path=np.stack([x, y], axis=1),
-        broken_pairs=np.sort(rng.integers(0, 4000, (40, 2)), axis=1),
+        effort=Effort(90, 3, {"iterations": 1800.0, "direct": 0.0}, 1.5, 900),
+        shape=CrackShape(np.stack([x, y], axis=1), np.sort(rng.integers(0, 4000, (40, 2)), axis=1)),
     )

@@ -52,7 +52,7 @@ def test_rates_are_in_metres_and_nothing_is_lost_on_the_way_back(tmp_path: Path)
         assert got.delta_k == task.delta_k
         assert got.tortuosity == task.tortuosity
         assert got.cycles == task.cycles
-        assert got.wall_s == task.wall_s
+        assert got.effort.wall_s == task.effort.wall_s
         np.testing.assert_allclose(got.da_dn, task.da_dn, rtol=1e-15)
     row = next(line for line in text.splitlines() if line.startswith("severe_AT,0,18.0"))
     task = next(o for o in tasks if o.state == "severe_AT" and o.delta_k == 18e3)

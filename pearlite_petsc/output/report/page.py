@@ -223,8 +223,8 @@ def _tasks(result: Result) -> str:
     head = ["State", "Mesh", "ΔK", "da/dN [m/cycle]", "Cycles", "Extension [µm]", "Tortuosity"]
     head += ["End", "Solves", "Elements", "Time [s]"]
     rows = [_task_row(o) for o in in_order(result.outcomes, names)]
-    total = sum(o.wall_s for o in result.outcomes)
-    text = f"{len(rows)} cracks, {sum(o.solves for o in result.outcomes)} solves, {total:.1f} s."
+    total = sum(o.effort.wall_s for o in result.outcomes)
+    text = f"{len(rows)} cracks, {sum(o.effort.solves for o in result.outcomes)} solves, {total:.1f} s."
     return paragraph(text) + folded("Table of all tasks", table(head, rows))
 
 
@@ -238,7 +238,7 @@ def _task_row(o: Outcome) -> list[str]:
         f"{o.extension:.1f}",
         "–" if o.tortuosity is None else f"{o.tortuosity:.2f}",
         o.stop_reason.value.replace("_", " "),
-        str(o.solves),
-        str(o.elements),
-        f"{o.wall_s:.2f}",
+        str(o.effort.solves),
+        str(o.effort.elements),
+        f"{o.effort.wall_s:.2f}",
     ]

@@ -130,7 +130,7 @@ def task_warnings(outcomes: Sequence[Outcome], elements: Elements) -> dict[str, 
         for doubt in doubts(o, elements):
             found.setdefault(doubt, []).append(f"{name} ({o.cycles:.3g} cycles)")
         for counter, meaning in _FALLBACKS.items():
-            count = o.counters.get(counter, 0.0)
+            count = o.effort.counters.get(counter, 0.0)
             if count > 0.0:
                 found.setdefault(meaning, []).append(f"{name} ({count:g})")
     return found

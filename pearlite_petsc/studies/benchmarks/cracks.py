@@ -119,8 +119,8 @@ def common_share(one: Outcome, other: Outcome) -> float:
 
 
 def _broken(outcome: Outcome) -> set[tuple[int, ...]]:
-    assert outcome.broken_pairs is not None
-    return {*map(tuple, outcome.broken_pairs.tolist())}
+    assert outcome.shape is not None
+    return {*map(tuple, outcome.shape.broken_pairs.tolist())}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,7 +171,7 @@ def compare(cracks: Cracks, reference: Cracks) -> Comparison:
     same = logs[shares[rated] >= SAME_PATH] if len(pairs) else logs
     error, low, high = geometric_mean(np.abs(np.expm1(same)))
     outcomes = [item.outcome for item in cracks.values() if item.outcome is not None]
-    broken = sum(len(o.broken_pairs) for o in outcomes if o.broken_pairs is not None)
+    broken = sum(len(o.shape.broken_pairs) for o in outcomes if o.shape is not None)
     scatter = logs.std(ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else float("nan")
     return Comparison(
         tasks=len(both),
@@ -184,7 +184,7 @@ def compare(cracks: Cracks, reference: Cracks) -> Comparison:
         mean_error=float(abs(np.expm1(logs.mean()))) if len(logs) else float("nan"),
         mean_scatter=float(np.expm1(scatter)),
         seconds=sum(item.seconds for item in cracks.values()) / len(cracks),
-        solves_per_break=sum(o.solves for o in outcomes) / max(broken, 1),
+        solves_per_break=sum(o.effort.solves for o in outcomes) / max(broken, 1),
         not_grown=len(cracks) - sum(o.stop_reason is StopReason.GROWN for o in outcomes),
     )
 

@@ -68,7 +68,7 @@ def judged(study: str, value: str, cracks: Cracks, reference: Cracks) -> Point:
             logs.append(np.log(mine.da_dn / other.da_dn))
         else:
             reasons.append(mine.stop_reason.value)
-        fallbacks += sum(mine.counters.get(name, 0.0) for name in FALLBACKS)
+        fallbacks += sum(mine.effort.counters.get(name, 0.0) for name in FALLBACKS)
     error = float(np.expm1(np.mean(logs))) if logs else float("nan")
     if reasons:
         return Point(study, value, STOPS, reasons[0], error, ", ".join(sorted(set(reasons))))

@@ -117,7 +117,7 @@ def _measured(
     grown: Grown, scene: Scene, state: str, mesh: int
 ) -> dict[str, str | int | float | bool]:
     outcome = grown.outcome
-    broken = 0 if outcome is None or outcome.broken_pairs is None else len(outcome.broken_pairs)
+    broken = 0 if outcome is None or outcome.shape is None else len(outcome.shape.broken_pairs)
     along, through, boundary = path_shares(outcome, scene, state, mesh)
     return {
         "da_dn_um_per_cycle": float("nan") if outcome is None else outcome.da_dn,
@@ -125,7 +125,7 @@ def _measured(
         "stop_reason": grown.error.replace(",", ";")
         if outcome is None
         else outcome.stop_reason.value,
-        "solves": 0 if outcome is None else outcome.solves,
+        "solves": 0 if outcome is None else outcome.effort.solves,
         "broken": broken,
         "along_lamellae": along,
         "through_cementite": through,
@@ -145,15 +145,15 @@ def path_shares(
     from pearlite_petsc.microstructure.labels import make_label_map
     from pearlite_petsc.tessellation.kinds import shares_along
 
-    if outcome is None or outcome.path is None or len(outcome.path) < 2:
+    if outcome is None or outcome.shape is None or len(outcome.shape.path) < 2:
         return float("nan"), float("nan"), float("nan")
     chosen = next(item for item in scene.states if item.name == state)
     label_map = make_label_map(scene.microstructure, scene.window, chosen, mesh)
-    step = np.diff(outcome.path, axis=0)
+    step = np.diff(outcome.shape.path, axis=0)
     length = np.hypot(step[:, 0], step[:, 1])
     normal = np.stack([step[:, 1], -step[:, 0]], axis=1) / length[:, None]
     reach = np.full(len(length), 0.5 * scene.elements.width)
-    shares = shares_along(label_map, outcome.path[:-1], outcome.path[1:], normal, reach)
+    shares = shares_along(label_map, outcome.shape.path[:-1], outcome.shape.path[1:], normal, reach)
     lamella, cementite, *boundaries = length @ shares / length.sum()
     return float(lamella), float(cementite), float(sum(boundaries))
 

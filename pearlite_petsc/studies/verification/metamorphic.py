@@ -114,13 +114,13 @@ def _mirror(
 ) -> None:
     second = grow_alone(scene, state, DELTA_K, mirrored(prepared))
     _same_cracks(section, f"{state.name}: microstructure mirrored", first, second)
-    assert first.path is not None and second.path is not None
-    back = second.path * [1.0, -1.0] + [0.0, scene.window.height]
-    same = back.shape == first.path.shape
+    assert first.shape is not None and second.shape is not None
+    back = second.shape.path * [1.0, -1.0] + [0.0, scene.window.height]
+    same = back.shape == first.shape.path.shape
     section.below(
         f"{state.name}: the mirrored crack is the crack mirrored: largest distance of its points, um",
         "symmetry of load and law",
-        float(np.abs(back - first.path).max()) if same else float("inf"),
+        float(np.abs(back - first.shape.path).max()) if same else float("inf"),
         1e-9,
     )
     section.close(
@@ -153,14 +153,14 @@ def _kinds(section: Section, scene: Scene, state: State, prepared: Prepared) -> 
 
 
 def _same_cracks(section: Section, statement: str, first: Outcome, second: Outcome) -> None:
-    assert first.broken_pairs is not None and second.broken_pairs is not None
-    same = np.array_equal(first.broken_pairs, second.broken_pairs)
+    assert first.shape is not None and second.shape is not None
+    same = np.array_equal(first.shape.broken_pairs, second.shape.broken_pairs)
     section.true(
         f"{statement}: same broken interfaces",
         "the load only scales",
-        f"{len(first.broken_pairs)} broken",
-        "the same" if same else f"{len(second.broken_pairs)}, not the same",
-        same and len(first.broken_pairs) > 3,
+        f"{len(first.shape.broken_pairs)} broken",
+        "the same" if same else f"{len(second.shape.broken_pairs)}, not the same",
+        same and len(first.shape.broken_pairs) > 3,
     )
 
 

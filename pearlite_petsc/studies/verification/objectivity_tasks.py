@@ -97,7 +97,7 @@ def grow_variants(
                 found.da_dn,
                 found.stop_reason.value,
                 found.tortuosity or 0.0,
-                found.solves,
+                found.effort.solves,
             )
         )
     return rates

@@ -102,7 +102,7 @@ def test_growth_tortuosity_and_paths_are_drawn(tmp_path: Path) -> None:
     tasks = synthetic.outcomes()
     growth.draw_growth(tmp_path / "growth", tasks, list(STATES))
     growth.draw_tortuosity(tmp_path / "tortuosity", tasks, list(STATES))
-    lines = {o.state: [cracks.PathLine("a", o.path)] for o in tasks if o.path is not None}
+    lines = {o.state: [cracks.PathLine("a", o.shape.path)] for o in tasks if o.shape is not None}
     cracks.draw_paths(tmp_path / "paths", lines, (200.0, 200.0), "paths")
     for name in ("growth", "tortuosity", "paths"):
         size(tmp_path / name)

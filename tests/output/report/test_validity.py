@@ -3,7 +3,7 @@ import math
 
 from numpy.testing import assert_allclose
 
-from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import Effort, Outcome, StopReason
 from pearlite_petsc.output.doubts import FAST, SHORT_LIFE
 from pearlite_petsc.output.report.validity import task_warnings, validity_warnings, zone_rows
 from tests.output import synthetic
@@ -49,7 +49,7 @@ def test_tasks_that_ended_otherwise_or_fell_back_are_named_with_the_reason() -> 
     assert task_warnings(good, ELEMENTS) == {}
     failed = Outcome("severe_AT", 1, 8e3, StopReason.FAILED, message="no equilibrium")
     arrested = Outcome("undeformed", 2, 8e3, StopReason.ARRESTED, da_dn=math.nan)
-    fallback = dataclasses.replace(good[0], counters={"direct": 3.0})
+    fallback = dataclasses.replace(good[0], effort=Effort(counters={"direct": 3.0}))
     found = task_warnings([failed, arrested, fallback], ELEMENTS)
     assert found["failed"] == ["severe_AT_m1_dk8: no equilibrium"]
     names = [name for names in found.values() for name in names]

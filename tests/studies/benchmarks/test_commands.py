@@ -205,9 +205,9 @@ def test_the_baseline_of_the_campaign_makes_a_hierarchy_for_every_solve() -> Non
         (always,) = grow(plan, blocks).values()
     (again,) = grow(plan, blocks).values()
     assert once.outcome is not None and always.outcome is not None and again.outcome is not None
-    assert always.outcome.counters["setups"] >= always.outcome.solves
-    assert always.outcome.solves > once.outcome.counters["setups"]
-    assert again.outcome.counters == once.outcome.counters
+    assert always.outcome.effort.counters["setups"] >= always.outcome.effort.solves
+    assert always.outcome.effort.solves > once.outcome.effort.counters["setups"]
+    assert again.outcome.effort.counters == once.outcome.effort.counters
     assert always.outcome.da_dn == pytest.approx(once.outcome.da_dn, rel=1e-6)
 
 

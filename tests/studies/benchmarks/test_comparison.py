@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pearlite_petsc.errors import MeshError
-from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import CrackShape, Effort, Outcome, StopReason
 from pearlite_petsc.studies.benchmarks.cracks import Grown, Key, Plan, compare, geometric_mean, grow
 from pearlite_petsc.studies.benchmarks.pareto import QUICK_WINDOW, Measured, dominating
 from pearlite_petsc.studies.benchmarks.stability_studies import (
@@ -27,7 +27,8 @@ def outcome(
     da_dn: float, broken: list[list[int]], reason: StopReason = StopReason.GROWN
 ) -> Outcome:
     pairs = np.array(broken, dtype=np.int64).reshape(-1, 2)
-    return Outcome("severe_AT", 0, 12e3, reason, da_dn=da_dn, solves=30, broken_pairs=pairs)
+    shape = CrackShape(np.zeros((1, 2)), pairs)
+    return Outcome("severe_AT", 0, 12e3, reason, da_dn=da_dn, effort=Effort(solves=30), shape=shape)
 
 
 def cracks(*outcomes: Outcome) -> dict[Key, Grown]:
@@ -102,7 +103,7 @@ def test_the_time_of_a_setting_is_the_shortest_of_its_rounds() -> None:
     [
         (outcome(0.95, TWENTY), CONVERGES),
         (outcome(0.85, TWENTY), WRONG),
-        (replace(outcome(0.95, TWENTY), counters={"direct": 1.0}), FALLS_BACK),
+        (replace(outcome(0.95, TWENTY), effort=Effort(counters={"direct": 1.0})), FALLS_BACK),
         (outcome(1.0, TWENTY, StopReason.BOUNDARY), STOPS),
     ],
 )

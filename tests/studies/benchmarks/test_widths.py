@@ -6,7 +6,7 @@ import pytest
 from pearlite_petsc.bench import main
 from pearlite_petsc.config import load_scene_text
 from pearlite_petsc.errors import SceneError
-from pearlite_petsc.fatigue.outcome import Outcome, StopReason
+from pearlite_petsc.fatigue.outcome import CrackShape, Outcome, StopReason
 from pearlite_petsc.studies.benchmarks.widths import (
     common_rates,
     overrides_of,
@@ -61,7 +61,8 @@ def test_a_path_in_one_colony_runs_along_its_lamellae_or_through_cementite() -> 
     scene = load_scene_text("", "one_colony", huge)
     for step, expected in (([1.0, 0.0], (1.0, 0.0, 0.0)), ([0.0, 1.0], (0.0, 1.0, 0.0))):
         path = np.array([80.0, 100.0]) + np.outer(np.arange(5.0), step)
-        outcome = Outcome("severe_AT", 0, 18e3, StopReason.GROWN, path=path)
+        shape = CrackShape(path, np.array([[1, 2]]))
+        outcome = Outcome("severe_AT", 0, 18e3, StopReason.GROWN, shape=shape)
         assert path_shares(outcome, scene, "severe_AT", 0) == pytest.approx(expected)
 
 
