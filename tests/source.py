@@ -105,9 +105,22 @@ def methods(owner: ast.ClassDef) -> int:
     return sum(isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) for node in owner.body)
 
 
-def attributes(owner: ast.ClassDef) -> int:
-    """Return how many attributes the methods of a class bind to its objects."""
-    bound = {
+def fields(owner: ast.ClassDef) -> set[str]:
+    """Return the fields of a dataclass, none of any other class."""
+    if not any("dataclass" in ast.dump(decorator) for decorator in owner.decorator_list):
+        return set()
+    return {
+        node.target.id
+        for node in owner.body
+        if isinstance(node, ast.AnnAssign)
+        and isinstance(node.target, ast.Name)
+        and "ClassVar" not in ast.dump(node.annotation)
+    }
+
+
+def bound_attributes(owner: ast.ClassDef) -> set[str]:
+    """Return the attributes that the methods of a class bind to its objects."""
+    return {
         node.attr
         for node in ast.walk(owner)
         if isinstance(node, ast.Attribute)
@@ -115,4 +128,3 @@ def attributes(owner: ast.ClassDef) -> int:
         and isinstance(node.value, ast.Name)
         and node.value.id == "self"
     }
-    return len(bound)

@@ -16,7 +16,8 @@ from tests.source import (
     PACKAGE,
     ROOT,
     TEST_FILES,
-    attributes,
+    bound_attributes,
+    fields,
     imports,
     imports_at_start,
     library,
@@ -54,6 +55,7 @@ LAYER = {name: layer for layer, names in enumerate(LAYERS) for name in names}
 OF_STUDIES = {"studies", "verify", "bench", "check_law"}
 PHYSICS = {"config", "laws", "microstructure", "tessellation", "mechanics", "fatigue"}
 PARALLEL = {"mpi4py", "petsc4py"}
+WITH_STATE = {"fatigue", "solver", "growth"}
 FILES_AND_FIGURES = {"h5py", "meshio", "matplotlib"}
 NO_ROLE = {"utils", "util", "helpers", "misc", "common"}
 MOST_LINES, MOST_LINES_OF_CODE, MOST_METHODS, MOST_ATTRIBUTES = 300, 50, 15, 12
@@ -150,15 +152,24 @@ def test_a_function_has_at_most_50_lines_of_code() -> None:
     assert not large
 
 
+def attributes(module: str, owner: ast.ClassDef) -> int:
+    """Return how many attributes a class has, where a run keeps its state with its fields."""
+    bound = bound_attributes(owner)
+    return len(bound | fields(owner) if part(module) in WITH_STATE else bound)
+
+
 def test_a_class_has_at_most_15_methods_and_12_attributes() -> None:
-    large = {
-        f"{module}.{node.name}": (methods(node), attributes(node))
+    sizes = {
+        f"{module}.{node.name}": (methods(node), attributes(module, node))
         for module, file in MODULES.items()
         for node in ast.walk(tree(file))
         if isinstance(node, ast.ClassDef)
-        and (methods(node) > MOST_METHODS or attributes(node) > MOST_ATTRIBUTES)
     }
-    assert not large
+    assert not {
+        name: size
+        for name, size in sizes.items()
+        if size[0] > MOST_METHODS or size[1] > MOST_ATTRIBUTES
+    }
 
 
 STARTS = [

@@ -53,9 +53,9 @@ class CrackedBody:
         self._load = TipLoad(case, domain.subdomain)
         self._loaded: tuple[Point, FloatArray] | None = None
         self._rates = DamageRates(domain, case, ~self._intact)
-        subdomain, modulus = domain.subdomain, case.scene.material.youngs_modulus
+        interfaces, modulus = domain.subdomain.interfaces, case.scene.material.youngs_modulus
         self._stiffness_ratio = stiffness_ratio(
-            subdomain.stiffness.k_n * subdomain.length / modulus
+            interfaces.stiffness.k_n * interfaces.length / modulus
         )
         self.coupling = Coupling(domain, self.tracker, self._load, case.scene.window)
 
@@ -67,7 +67,7 @@ class CrackedBody:
         return Situation(
             damage=damage.damage,
             jump=damage.jump,
-            stiffness=self.domain.subdomain.stiffness,
+            stiffness=self.domain.subdomain.interfaces.stiffness,
             rates=self._rates.constants,
             failure_damage=constants.failure_damage if nominal else 1.0,
             nominal=nominal,
@@ -126,16 +126,16 @@ class CrackedBody:
         """Return which of this rank's interfaces feel some breaks much; (k,)."""
         elements = self._case.scene.elements
         reach = 2.0 * max(elements.width, elements.length)
-        gap = cdist(self.domain.subdomain.midpoint, broken.ends.mean(axis=1))
+        gap = cdist(self.domain.subdomain.interfaces.midpoint, broken.ends.mean(axis=1))
         return np.asarray(gap.min(axis=1, initial=np.inf) < reach)
 
     def front(self, damage: FloatArray) -> FloatArray:
         """Return what must lie well inside the fine zone on this rank [um]; (p, 2)."""
         chosen = (damage > ACTIVE_DAMAGE) & (damage < 1.0)
-        elements = self._case.scene.elements
+        elements, midpoint = self._case.scene.elements, self.domain.subdomain.interfaces.midpoint
         if elements.wake == "coarse":
-            chosen &= is_near_tip(self.domain.subdomain.midpoint, self.tracker.tip, elements)
-        return np.vstack([self.domain.subdomain.midpoint[chosen], self.tracker.tip])
+            chosen &= is_near_tip(midpoint, self.tracker.tip, elements)
+        return np.vstack([midpoint[chosen], self.tracker.tip])
 
     def loose(self) -> BoolArray | None:
         """Return the elements that hang on no load-bearing interface, None off rank 0; (n,)."""
@@ -153,7 +153,7 @@ def _tracker(domain: Domain, broken: BoolArray, wake: Wake | None) -> CrackTrack
     tip = None if domain.mesh is None else notch_tip(domain.mesh)
     notch, root = domain.comm.bcast(tip)
     tracker = CrackTracker(notch, root, 0 if wake is None else len(wake.pairs))
-    of_notch = domain.subdomain.kind == Kind.NOTCH
+    of_notch = domain.subdomain.interfaces.kind == Kind.NOTCH
     if wake is not None:
         ends = None if domain.mesh is None else run_ends(domain.mesh, wake)
         for (start, end), run in zip(domain.comm.bcast(ends), wake.runs, strict=True):
@@ -174,5 +174,5 @@ def _loose(domain: Domain, damage: FloatArray | None) -> LooseClusters:
 
 def _off_notch(domain: Domain, tip: Point) -> BoolArray:
     """Return the interfaces that are not on the notch's line up to its tip; (k,)."""
-    x, y = domain.subdomain.ends.reshape(-1, 2, 2).transpose(2, 0, 1)
+    x, y = domain.subdomain.interfaces.ends.reshape(-1, 2, 2).transpose(2, 0, 1)
     return np.asarray((y != tip[1]).any(axis=1) | (x.mean(axis=1) > tip[0]))

@@ -51,7 +51,7 @@ class Coupling:
         self, domain: Domain, tracker: CrackTracker, load: TipLoad, window: Window
     ) -> None:
         self._domain, self._tracker, self._load, self._window = domain, tracker, load, window
-        self._constants = domain.subdomain.spring_constants()
+        self._constants = domain.subdomain.interfaces.spring_constants()
         self.compliance: Compliance | None = None
         self._pull: FloatArray | None = None
         self._pull_tip = tracker.tip
@@ -62,10 +62,10 @@ class Coupling:
         Args:
             gain: Damage that each interface of this rank will gain in the block; (k,).
         """
-        domain = self._domain
-        chosen = np.flatnonzero((gain > LEAST_GAIN) & domain.subdomain.owns_interface)
-        mine = np.stack([-gain[chosen], domain.subdomain.interface_numbers[chosen]], axis=1)
-        found = np.concatenate(domain.comm.allgather(mine))
+        subdomain = self._domain.subdomain
+        chosen = np.flatnonzero((gain > LEAST_GAIN) & subdomain.owns_interface)
+        mine = np.stack([-gain[chosen], subdomain.interfaces.numbers[chosen]], axis=1)
+        found = np.concatenate(self._domain.comm.allgather(mine))
         most = found[np.lexsort(found.T[::-1])[:MOST_COUPLED], 1]
         return np.sort(most.astype(np.int64))
 
@@ -109,7 +109,7 @@ class Coupling:
             limit: D at which the block ends; (k,).
         """
         compliance, pull = self._compliance(numbers, drive.damage)
-        stiffness = self._domain.subdomain.stiffness
+        stiffness = self._domain.subdomain.interfaces.stiffness
         columns = [
             drive.damage,
             limit,
@@ -178,7 +178,7 @@ class Coupling:
         """Return the global numbers of all that softened since the factors were made. Collective."""
         domain = self._domain
         far = np.abs(damage - compliance.set_up_damage) > CHANGED
-        mine = domain.subdomain.interface_numbers[far & domain.subdomain.owns_interface]
+        mine = domain.subdomain.interfaces.numbers[far & domain.subdomain.owns_interface]
         return np.asarray(np.concatenate(domain.comm.allgather(mine)))
 
     def _has_left_pull(self) -> bool:
@@ -198,8 +198,8 @@ class Coupling:
 
     def _advance(self, place: int) -> tuple[float, float]:
         """Return how far the tip would go if an interface broke [um]."""
-        subdomain = self._domain.subdomain
-        elements = subdomain.element_numbers[subdomain.interface_elements[place]].tolist()
-        junctions, ends = subdomain.junctions[place].tolist(), subdomain.ends[place].tolist()
+        subdomain, interfaces = self._domain.subdomain, self._domain.subdomain.interfaces
+        elements = subdomain.element_numbers[interfaces.elements[place]].tolist()
+        junctions, ends = interfaces.junctions[place].tolist(), interfaces.ends[place].tolist()
         x, y = self._tracker.tip_after((elements, junctions, ends))
         return x - self._tracker.tip[0], y - self._tracker.tip[1]

@@ -8,7 +8,7 @@ from pearlite_petsc.growth.case import CrackCase
 from pearlite_petsc.growth.domain import Domain, Edges
 from pearlite_petsc.laws.damage import RateConstants
 from pearlite_petsc.mechanics.lefm import remote_stress
-from pearlite_petsc.solver.subdomain import Subdomain
+from pearlite_petsc.solver.subdomain import SubdomainInterfaces
 
 
 class DamageRates:
@@ -24,24 +24,24 @@ class DamageRates:
     """
 
     def __init__(self, domain: Domain, case: CrackCase, broken: BoolArray) -> None:
-        self._subdomain, self._case = domain.subdomain, case
+        self._interfaces, self._case = domain.subdomain.interfaces, case
         self._distance: FloatArray | None = None
         if case.scene.damage.law.follows_crack:
             ends = domain.edges(np.flatnonzero(broken)).ends
-            self._distance = crack_distance(self._subdomain.midpoint, ends)
-        self.constants: RateConstants = rate_constants(self._subdomain, case, self._distance)
+            self._distance = crack_distance(self._interfaces.midpoint, ends)
+        self.constants: RateConstants = rate_constants(self._interfaces, case, self._distance)
 
     def follow(self, broken: Edges) -> None:
         """Take interfaces into the crack."""
         if self._distance is None or not len(broken.numbers):
             return
-        new = crack_distance(self._subdomain.midpoint, broken.ends)
+        new = crack_distance(self._interfaces.midpoint, broken.ends)
         self._distance = np.minimum(self._distance, new)
-        self.constants = rate_constants(self._subdomain, self._case, self._distance)
+        self.constants = rate_constants(self._interfaces, self._case, self._distance)
 
 
 def rate_constants(
-    subdomain: Subdomain, case: CrackCase, distance: FloatArray | None
+    interfaces: SubdomainInterfaces, case: CrackCase, distance: FloatArray | None
 ) -> RateConstants:
     """Return what the damage law makes of a rank's interfaces.
 
@@ -49,21 +49,21 @@ def rate_constants(
     pass a threshold that falls with 1/sqrt(L) far from any crack.
 
     Args:
-        subdomain: The rank's.
+        interfaces: The rank's.
         case: Damage law, state of the steel.
         distance: Of each interface from the crack [um]; (k,), None where the law does not follow
             the crack.
     """
     window, damage = case.scene.window, case.scene.damage
-    interfaces = damage_interfaces(
-        subdomain.length,
-        subdomain.kind,
+    given = damage_interfaces(
+        interfaces.length,
+        interfaces.kind,
         damage,
         case.state,
         remote_stress(case.state.delta_k_th, window.notch, window.width),
-        subdomain.midpoint,
-        subdomain.normal,
+        interfaces.midpoint,
+        interfaces.normal,
         distance,
-        subdomain.cementite_share,
+        interfaces.cementite_share,
     )
-    return damage.law.rate_constants(interfaces, damage).only(subdomain.fine)
+    return damage.law.rate_constants(given, damage).only(interfaces.fine)

@@ -44,7 +44,7 @@ class Domain(Closing):
     ) -> None:
         self.comm, self.mesh = comm, mesh
         self.subdomain = _distribute(comm, scene, mesh, ratio)
-        self._interfaces = comm.gather(self.subdomain.interface_numbers)
+        self._interfaces = comm.gather(self.subdomain.interfaces.numbers)
         if mesh is not None and damage is None:
             damage = (mesh.kind == Kind.NOTCH).astype(float)
         start = self.scatter(damage)
@@ -101,14 +101,14 @@ class Domain(Closing):
         Args:
             chosen: Local numbers on this rank; those of other owners are passed over.
         """
-        subdomain = self.subdomain
-        mine = chosen[subdomain.owns_interface[chosen]]
-        pairs = subdomain.element_numbers[subdomain.interface_elements[mine]]
+        interfaces = self.subdomain.interfaces
+        mine = chosen[self.subdomain.owns_interface[chosen]]
+        pairs = self.subdomain.element_numbers[interfaces.elements[mine]]
         parcel = (
-            subdomain.interface_numbers[mine],
+            interfaces.numbers[mine],
             pairs,
-            subdomain.junctions[mine],
-            subdomain.ends[mine],
+            interfaces.junctions[mine],
+            interfaces.ends[mine],
         )
         if self.comm.size == 1:
             return Edges(*parcel)
@@ -144,8 +144,10 @@ def _distribute(comm: MPI.Comm, scene: Scene, mesh: Mesh | None, ratio: float | 
     if comm.size == 1 and subdomains is not None:
         return subdomains[0]
     received: Subdomain = comm.scatter(subdomains)
-    # Arrays that were sent are writeable again.
-    return replace(received)
+    # Not every protocol of pickle keeps arrays read-only.
+    return replace(
+        received, interfaces=replace(received.interfaces), boundary=replace(received.boundary)
+    )
 
 
 def _subdomains(

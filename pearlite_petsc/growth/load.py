@@ -35,9 +35,9 @@ class TipLoad:
         else:
             length = scene.window.notch if scene.loading.control == "stress" else tip[0]
             airy = uniform_stress(0.0, remote_stress(delta_k, length, scene.window.width), 0.0)
-        owned = subdomain.centre[: subdomain.owned_count]
+        owned, boundary = subdomain.centre[: subdomain.owned_count], subdomain.boundary
         return element_forces(
-            subdomain.facet_start, subdomain.facet_end, subdomain.boundary_elements, owned, airy
+            boundary.facet_start, boundary.facet_end, boundary.elements, owned, airy
         )
 
 
@@ -57,17 +57,17 @@ def softening_tip(
             on trial; (k,).
         intact: Whether an interface is not part of the crack; (k,).
     """
-    subdomain, tip = domain.subdomain, tracker.tip
+    subdomain, own, tip = domain.subdomain, domain.subdomain.interfaces, tracker.tip
     candidates = np.flatnonzero((released > SOFTENING) & intact & subdomain.owns_interface)
     best: tuple[float, int, Point] = (0.0, 0, tip)
-    pairs = subdomain.element_numbers[subdomain.interface_elements[candidates]].tolist()
-    junctions, ends = subdomain.junctions[candidates].tolist(), subdomain.ends[candidates].tolist()
+    pairs = subdomain.element_numbers[own.elements[candidates]].tolist()
+    junctions, ends = own.junctions[candidates].tolist(), own.ends[candidates].tolist()
     interfaces = zip(pairs, junctions, ends, strict=True)
     for number, interface in zip(candidates.tolist(), interfaces, strict=True):
         x, y = tracker.tip_after(interface)
         gone = float(released[number])
         gain = gone * (x - tip[0])
         point = tip[0] + gain, tip[1] + gone * (y - tip[1])
-        best = max(best, (gain, -int(subdomain.interface_numbers[number]), point))
+        best = max(best, (gain, -int(own.numbers[number]), point))
     best = max(domain.comm.allgather(best))
     return best[2]

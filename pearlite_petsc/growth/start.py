@@ -49,7 +49,7 @@ def from_notch(
     zone = comm.bcast(None if prepared is None else prepared.zone)
     with ExitStack() as stack:
         domain = shared or stack.enter_context(first_domain(comm, case.scene, prepared))
-        damage = notched(domain.subdomain.kind)
+        damage = notched(domain.subdomain.interfaces.kind)
         body = CrackedBody(domain, case, damage.damage)
         stack.pop_all()
     return Start(body, damage, Refinement(zone), new_record(body.tracker.tip[0]))

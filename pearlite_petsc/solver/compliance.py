@@ -35,7 +35,7 @@ class Compliance:
         self._equilibrium, self._system = equilibrium, equilibrium.system
         self._subdomain, self._comm = self._system.subdomain, self._system.comm
         self._factors = equilibrium.factors(damage)
-        self._constants = self._subdomain.spring_constants()
+        self._constants = self._subdomain.interfaces.spring_constants()
         self.numbers = np.empty(0, dtype=np.int64)
         self.batch = np.empty(0, dtype=np.int64)
         self._matrix = np.empty((0, 0))
@@ -73,7 +73,7 @@ class Compliance:
         self.batch = np.concatenate([self.batch, np.full(len(new), number)])
         row, place = owned_interfaces(self._subdomain, self.numbers)
         with stage("solve"):
-            unknowns = self._under_unit_pairs(new)[self._subdomain.interface_elements[place]]
+            unknowns = self._under_unit_pairs(new)[self._subdomain.interfaces.elements[place]]
         opened = np.zeros((len(self.numbers), 3, 3 * len(new)))
         unknowns = unknowns.reshape(len(place), 6, 3 * len(new))
         opened[row] = self._system.operator[place] @ unknowns
@@ -143,7 +143,7 @@ class Compliance:
 
     def _unknowns_of(self, place: IntArray) -> IntArray:
         """Return which unknowns B of this rank's interfaces takes; (a, 6)."""
-        elements = self._subdomain.element_numbers[self._subdomain.interface_elements[place]]
+        elements = self._subdomain.element_numbers[self._subdomain.interfaces.elements[place]]
         return np.asarray((3 * elements[:, :, None] + np.arange(3)).reshape(-1, 6))
 
     def _under_unit_pairs(self, numbers: IntArray) -> FloatArray:

@@ -50,7 +50,8 @@ class StiffnessMatrix(Closing):
     ) -> None:
         self._subdomain = subdomain
         self._intact = 1.0 - damage
-        own, pairs = subdomain.owned_count, subdomain.interface_elements
+        interfaces, own = subdomain.interfaces, subdomain.owned_count
+        pairs = interfaces.elements
         numbers = subdomain.element_numbers
         # Half-edges: each interface seen from each of its owned elements.
         interface, side = np.nonzero(pairs < own)
@@ -58,7 +59,7 @@ class StiffnessMatrix(Closing):
         self._interface, self._side = interface[order], side[order]
         row = pairs[self._interface, self._side]
         self._offsets = np.searchsorted(row, np.arange(own + 1))
-        self._own_blocks, self._coupling = _intact_blocks(operator, subdomain.spring_constants())
+        self._own_blocks, self._coupling = _intact_blocks(operator, interfaces.spring_constants())
         self._to_ground = self._ground(comm, row)
         blocks = np.concatenate([self._off_diagonal(slice(None)), self._diagonal(np.arange(own))])
         rows = np.concatenate([row, np.arange(own)])
@@ -83,10 +84,11 @@ class StiffnessMatrix(Closing):
         """
         before, self._intact = self._intact, 1.0 - damage
         changed = before != self._intact
-        touched = np.unique(self._subdomain.interface_elements[changed])
+        pairs = self._subdomain.interfaces.elements
+        touched = np.unique(pairs[changed])
         touched = touched[touched < self._subdomain.owned_count]
         half = np.flatnonzero(changed[self._interface])
-        row = self._subdomain.interface_elements[self._interface[half], self._side[half]]
+        row = pairs[self._interface[half], self._side[half]]
         rows = np.concatenate([row, touched]) + self._subdomain.first_element
         columns = np.concatenate([self._column[half], touched + self._subdomain.first_element])
         if len(rows):

@@ -14,10 +14,9 @@ def local_interfaces(subdomain: Subdomain, numbers: IntArray) -> tuple[IntArray,
         subdomain: What the rank knows of the mesh.
         numbers: Global ones; (a,).
     """
-    place = np.minimum(
-        np.searchsorted(subdomain.interface_numbers, numbers), len(subdomain.interface_numbers) - 1
-    )
-    row = np.flatnonzero(subdomain.interface_numbers[place] == numbers)
+    known = subdomain.interfaces.numbers
+    place = np.minimum(np.searchsorted(known, numbers), len(known) - 1)
+    row = np.flatnonzero(known[place] == numbers)
     return row, place[row]
 
 
@@ -29,7 +28,7 @@ def owned_interfaces(subdomain: Subdomain, numbers: IntArray) -> tuple[IntArray,
         numbers: Global ones; (a,).
     """
     row, place = local_interfaces(subdomain, numbers)
-    mine = subdomain.interface_elements[place, 0] < subdomain.owned_count
+    mine = subdomain.interfaces.elements[place, 0] < subdomain.owned_count
     return row[mine], place[mine]
 
 

@@ -12,35 +12,22 @@ from pearlite_petsc.tessellation.mesh import Mesh
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Subdomain:
-    """What one rank knows of the mesh. Local elements: owned ones first, then ghosts.
+class SubdomainInterfaces:
+    """All interfaces that touch a rank's own elements, by ascending number.
 
     Attributes:
-        first_element: The first owned one.
-        owned_count: Owned elements ("owned" in shapes).
-        element_count: Elements of the whole mesh.
-        element_numbers: Global numbers of the local elements; (owned + g,).
-        centre: Of owned elements and ghosts [um]; (owned + g, 2).
-        interface_numbers: Global numbers of the interfaces; (k,).
-        interface_elements: Local elements i, j of each interface; (k, 2).
-        stiffness: Intact springs of the interfaces.
-        length, midpoint, normal, kind, cementite_share: Of each interface; (k,), (k, 2), (k, 2),
-            (k,), (k,).
+        numbers: Global ones; (k,).
+        elements: Local elements i, j of each; (k, 2).
+        stiffness: Intact springs.
+        length, midpoint, normal, kind, cementite_share: As in the mesh; (k,), (k, 2), (k, 2), (k,),
+            (k,).
         fine: Whether both elements have the full resolution; (k,).
-        junctions: At both ends of each interface; (k, 2).
+        junctions: At both ends; (k, 2).
         ends: Where those junctions are [um]; (k, 2, 2).
-        rotation_length: Scales rotations [um].
-        boundary_elements: Owned elements of the boundary's facets, local; (q,).
-        facet_start, facet_end: Ends of the facets [um]; (q, 2).
     """
 
-    first_element: int
-    owned_count: int
-    element_count: int
-    element_numbers: IntArray
-    centre: FloatArray
-    interface_numbers: IntArray
-    interface_elements: IntArray
+    numbers: IntArray
+    elements: IntArray
     stiffness: Stiffness
     length: FloatArray
     midpoint: FloatArray
@@ -50,16 +37,59 @@ class Subdomain:
     fine: BoolArray
     junctions: IntArray
     ends: FloatArray
-    rotation_length: float
-    boundary_elements: IntArray
+
+    def __post_init__(self) -> None:
+        _protect(self)
+        _protect(self.stiffness)
+
+    def spring_constants(self) -> FloatArray:
+        """Return the intact k_n l, k_t l, k_n l^3/12; shape (k, 3)."""
+        return spring_constants(self.stiffness, self.length)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SubdomainBoundary:
+    """The facets of the window's boundary that are a rank's own elements'.
+
+    Attributes:
+        elements: The owned element of each facet, local; (q,).
+        facet_start, facet_end: Ends of the facets [um]; (q, 2).
+    """
+
+    elements: IntArray
     facet_start: FloatArray
     facet_end: FloatArray
 
     def __post_init__(self) -> None:
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            if isinstance(value, np.ndarray):
-                read_only(value)
+        _protect(self)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Subdomain:
+    """What one rank knows of the mesh. Local elements: owned ones first, then ghosts.
+
+    Attributes:
+        first_element: The first owned one.
+        owned_count: Owned elements ("owned" in shapes).
+        element_count: Elements of the whole mesh.
+        element_numbers: Global numbers of the local elements; (owned + g,).
+        centre: Of owned elements and ghosts [um]; (owned + g, 2).
+        rotation_length: Scales rotations [um].
+        interfaces: Those that touch owned elements.
+        boundary: Facets of owned elements.
+    """
+
+    first_element: int
+    owned_count: int
+    element_count: int
+    element_numbers: IntArray
+    centre: FloatArray
+    rotation_length: float
+    interfaces: SubdomainInterfaces
+    boundary: SubdomainBoundary
+
+    def __post_init__(self) -> None:
+        _protect(self)
 
     @property
     def owned_elements(self) -> slice:
@@ -74,13 +104,14 @@ class Subdomain:
     @property
     def owns_interface(self) -> BoolArray:
         """Whether this rank owns an interface, which one rank does; (k,)."""
-        owned: BoolArray = self.interface_elements[:, 0] < self.owned_count
+        owned: BoolArray = self.interfaces.elements[:, 0] < self.owned_count
         return owned
 
     def jump_operator(self) -> FloatArray:
         """Return B of the interfaces; shape (k, 3, 6)."""
+        own = self.interfaces
         return jump_operator(
-            self.centre, self.interface_elements, self.midpoint, self.normal, self.rotation_length
+            self.centre, own.elements, own.midpoint, own.normal, self.rotation_length
         )
 
     def right_hand_side(self, load: FloatArray) -> FloatArray:
@@ -91,9 +122,13 @@ class Subdomain:
         """
         return np.asarray((load / np.array([1.0, 1.0, self.rotation_length])).ravel())
 
-    def spring_constants(self) -> FloatArray:
-        """Return the intact k_n l, k_t l, k_n l^3/12 of the interfaces; shape (k, 3)."""
-        return spring_constants(self.stiffness, self.length)
+
+def _protect(part: Subdomain | SubdomainInterfaces | SubdomainBoundary | Stiffness) -> None:
+    """Make the arrays of a part of the subdomain read-only."""
+    for entry in fields(part):
+        value = getattr(part, entry.name)
+        if isinstance(value, np.ndarray):
+            read_only(value)
 
 
 def element_ranges(total: int, ranks: int) -> list[tuple[int, int]]:
@@ -122,7 +157,7 @@ def subdomain_of(mesh: Mesh, stiffness: Stiffness, first: int, last: int) -> Sub
     chosen = np.flatnonzero(inside.any(axis=1))
     inside, near = inside[chosen], pairs[chosen]
     ghosts = np.unique(near[~inside])
-    junctions = mesh.junction[mesh.interface_vertices[chosen]]
+    local = np.where(inside, near - first, last - first + np.searchsorted(ghosts, near))
     facets = (mesh.boundary_elements >= first) & (mesh.boundary_elements < last)
     return Subdomain(
         first_element=first,
@@ -130,21 +165,38 @@ def subdomain_of(mesh: Mesh, stiffness: Stiffness, first: int, last: int) -> Sub
         element_count=mesh.element_count,
         element_numbers=np.concatenate([np.arange(first, last), ghosts]),
         centre=np.concatenate([mesh.centre[first:last], mesh.centre[ghosts]]),
-        interface_numbers=chosen,
-        interface_elements=np.where(
-            inside, near - first, last - first + np.searchsorted(ghosts, near)
+        rotation_length=rotation_length(mesh),
+        interfaces=_interfaces(mesh, stiffness, chosen, local),
+        boundary=SubdomainBoundary(
+            elements=mesh.boundary_elements[facets] - first,
+            facet_start=mesh.vertices[mesh.boundary_vertices[facets, 0]],
+            facet_end=mesh.vertices[mesh.boundary_vertices[facets, 1]],
         ),
-        stiffness=Stiffness(stiffness.k_n[chosen], stiffness.k_t[chosen]),
-        length=mesh.length[chosen],
-        midpoint=mesh.midpoint[chosen],
-        normal=mesh.normal[chosen],
-        kind=mesh.kind[chosen],
-        cementite_share=mesh.cementite_share[chosen],
-        fine=mesh.fine[pairs[chosen]].all(axis=1),
+    )
+
+
+def _interfaces(
+    mesh: Mesh, stiffness: Stiffness, numbers: IntArray, elements: IntArray
+) -> SubdomainInterfaces:
+    """Return some interfaces of the mesh.
+
+    Args:
+        mesh: The whole one.
+        stiffness: Of all its interfaces.
+        numbers: The chosen ones, ascending; (k,).
+        elements: Their local elements; (k, 2).
+    """
+    junctions = mesh.junction[mesh.interface_vertices[numbers]]
+    return SubdomainInterfaces(
+        numbers=numbers,
+        elements=elements,
+        stiffness=Stiffness(stiffness.k_n[numbers], stiffness.k_t[numbers]),
+        length=mesh.length[numbers],
+        midpoint=mesh.midpoint[numbers],
+        normal=mesh.normal[numbers],
+        kind=mesh.kind[numbers],
+        cementite_share=mesh.cementite_share[numbers],
+        fine=mesh.fine[mesh.interface_elements[numbers]].all(axis=1),
         junctions=junctions,
         ends=_junction_places(mesh)[junctions],
-        rotation_length=rotation_length(mesh),
-        boundary_elements=mesh.boundary_elements[facets] - first,
-        facet_start=mesh.vertices[mesh.boundary_vertices[facets, 0]],
-        facet_end=mesh.vertices[mesh.boundary_vertices[facets, 1]],
     )

@@ -82,7 +82,7 @@ class LinearSystem(Closing):
 
     def jumps(self, unknowns: FloatArray) -> FloatArray:
         """Return (normal, tangential, rotational) jump of each interface of the subdomain; (k, 3)."""
-        i, j = self.subdomain.interface_elements.T
+        i, j = self.subdomain.interfaces.elements.T
         return jumps(self.operator, unknowns[i], unknowns[j])
 
     def relative_residual(self) -> float:

@@ -85,23 +85,20 @@ def test_tip_and_reach_are_those_of_a_search_from_scratch(seed: int) -> None:
 
 def test_the_order_of_breaks_changes_no_bit_where_vertices_share_a_junction() -> None:
     mesh = build_mesh(default_scene(), STATES["severe_AT"], 1)
-    subdomain = subdomain_of(
-        mesh, spring_stiffness(mesh, default_scene().material), 0, mesh.element_count
-    )
+    stiffness = spring_stiffness(mesh, default_scene().material)
+    interfaces = subdomain_of(mesh, stiffness, 0, mesh.element_count).interfaces
     shared = np.flatnonzero(np.bincount(mesh.junction, minlength=len(mesh.vertices)) > 1)
     assert len(shared) > 3
-    near = np.isin(subdomain.junctions, shared).any(axis=1)
-    assert (subdomain.ends[near] != mesh.vertices[mesh.interface_vertices[near]]).any()
+    near = np.isin(interfaces.junctions, shared).any(axis=1)
+    assert (interfaces.ends[near] != mesh.vertices[mesh.interface_vertices[near]]).any()
     rng = np.random.default_rng(1)
     root = int(mesh.junction[np.argmin(np.hypot(*(mesh.vertices - mesh.notch).T))])
-    chosen = np.flatnonzero(subdomain.fine & (rng.random(len(subdomain.fine)) < 0.7))
+    chosen = np.flatnonzero(interfaces.fine & (rng.random(len(interfaces.fine)) < 0.7))
     lengths = set()
     for _ in range(20):
         tracker = CrackTracker(tuple(mesh.vertices[root].tolist()), root)
         order = rng.permutation(chosen)
-        tracker.add(
-            subdomain.interface_elements[order], subdomain.junctions[order], subdomain.ends[order]
-        )
+        tracker.add(interfaces.elements[order], interfaces.junctions[order], interfaces.ends[order])
         lengths.add((tracker.tip, tracker.path_length))
     assert tracker.path_length > 10.0
     assert len(lengths) == 1

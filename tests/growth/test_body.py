@@ -42,7 +42,7 @@ def test_a_situation_has_the_law_and_stresses_of_the_interfaces() -> None:
     assert not drive.normal[~intact].any() and not drive.shear[~intact].any()
     rate = drive.rate_at(START.damage)
     # Coarse elements take no damage; the tip's interfaces do.
-    assert not rate[~body.domain.subdomain.fine].any()
+    assert not rate[~body.domain.subdomain.interfaces.fine].any()
     assert rate[np.argsort(GAP)[:6]].max() > 0.0
     assert start.failure_damage == 1.0 and start.least(3.0) == start.greatest(3.0) == 3.0
     body.domain.close()
@@ -97,7 +97,7 @@ def test_only_what_lies_near_a_break_is_disturbed() -> None:
     body = body_of()
     number = int(np.argmin(GAP))
     near = body.near(body.domain.edges(np.array([number])))
-    gap = np.hypot(*(MESH.midpoint - body.domain.subdomain.ends[number].mean(axis=0)).T)
+    gap = np.hypot(*(MESH.midpoint - body.domain.subdomain.interfaces.ends[number].mean(axis=0)).T)
     assert near[number] and near.sum() > 5
     assert gap[near].max() < 12.0 <= gap[~near].min()
     nothing = body.near(body.domain.edges(np.empty(0, dtype=np.int64)))

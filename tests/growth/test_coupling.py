@@ -94,12 +94,8 @@ def test_jumps_foreseen_at_another_damage_are_those_of_a_solve(method: str) -> N
 
 
 def _lengthens(body: CrackedBody, number: int) -> float:
-    subdomain = body.domain.subdomain
-    interface = (
-        subdomain.interface_elements[number],
-        subdomain.junctions[number],
-        subdomain.ends[number],
-    )
+    own = body.domain.subdomain.interfaces
+    interface = own.elements[number], own.junctions[number], own.ends[number]
     x, _ = body.tracker.tip_after(tuple(each.tolist() for each in interface))
     return float(x - body.tracker.tip[0])
 

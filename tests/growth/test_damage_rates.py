@@ -41,7 +41,7 @@ def domain_of() -> Domain:
 def test_coarse_elements_take_no_damage_and_fine_ones_do() -> None:
     with domain_of() as domain:
         factor = DamageRates(domain, CASE, NOTCH).constants.factor
-        fine = domain.subdomain.fine
+        fine = domain.subdomain.interfaces.fine
     assert 0 < fine.sum() < len(fine)
     assert (factor[fine] > 0.0).all() and not factor[~fine].any()
 
@@ -53,7 +53,7 @@ def test_a_law_that_follows_the_crack_sees_the_nearest_of_what_has_broken() -> N
     with domain_of() as domain:
         rates = DamageRates(domain, replace(CASE, scene=scene), NOTCH)
         before = rates.constants.threshold.copy()
-        ends = domain.subdomain.ends
+        ends = domain.subdomain.interfaces.ends
         assert before == pytest.approx(crack_distance(MESH.midpoint, ends[NOTCH]))
         rates.follow(domain.edges(np.empty(0, dtype=np.int64)))
         assert np.array_equal(rates.constants.threshold, before)

@@ -67,14 +67,10 @@ def test_the_load_moves_with_the_force_that_a_lengthening_interface_lets_go() ->
         notch = (MESH.kind == Kind.NOTCH).astype(float)
         body = CrackedBody(domain, case_of(SCENE), notch)
         tip = body.tracker.tip
-        subdomain, intact = domain.subdomain, notch < 1.0
+        own, intact = domain.subdomain.interfaces, notch < 1.0
 
         def tip_after(number: int) -> tuple[float, float]:
-            interface = (
-                subdomain.interface_elements[number],
-                subdomain.junctions[number],
-                subdomain.ends[number],
-            )
+            interface = own.elements[number], own.junctions[number], own.ends[number]
             return body.tracker.tip_after(tuple(each.tolist() for each in interface))
 
         ahead = max(np.flatnonzero(intact), key=lambda number: tip_after(number)[0])

@@ -68,7 +68,7 @@ def forces(mesh: Mesh, equilibrium: Equilibrium) -> FloatArray:
 def tractions(equilibrium: Equilibrium, load: FloatArray) -> FloatArray:
     """Return normal and tangential traction of each interface, as if intact."""
     jump = equilibrium.jumps(equilibrium.solve(load))
-    springs = equilibrium.system.subdomain.stiffness
+    springs = equilibrium.system.subdomain.interfaces.stiffness
     return np.stack([springs.k_n * jump[:, 0], springs.k_t * jump[:, 1]], axis=1)
 
 

@@ -35,8 +35,9 @@ def domain_of(method: str = "iterative") -> Domain:
 
 
 def near_the_notch(domain: Domain, count: int) -> np.ndarray:
-    gap = np.hypot(*(domain.subdomain.midpoint - PREPARED.mesh.notch).T)
-    gap[domain.subdomain.kind == Kind.NOTCH] = np.inf
+    own = domain.subdomain.interfaces
+    gap = np.hypot(*(own.midpoint - PREPARED.mesh.notch).T)
+    gap[own.kind == Kind.NOTCH] = np.inf
     return np.sort(np.argsort(gap)[:count])
 
 
@@ -44,7 +45,7 @@ def dense(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
     """Return the matrix of now and the rows B of all interfaces."""
     subdomain, operator = domain.subdomain, domain.equilibrium.system.operator
     rows = np.zeros((len(operator), 3, 3 * subdomain.owned_count))
-    for number, pair in enumerate(subdomain.interface_elements):
+    for number, pair in enumerate(subdomain.interfaces.elements):
         rows[number][:, (3 * pair[:, None] + np.arange(3)).ravel()] = operator[number]
     offsets, columns, values = domain.equilibrium.system.matrix.mat.getValuesCSR()
     return csr_array((values, columns, offsets)).toarray(), rows
@@ -159,7 +160,9 @@ def test_factors_of_the_start_are_kept_for_the_next_crack_of_a_mesh(method: str)
     assert equilibrium.factors(NOTCHED).number == first.number
     # Equal values, and another array.
     assert equilibrium.factors(NOTCHED.copy()).number == first.number
-    softened = equilibrium.factors(np.where(domain.subdomain.kind == Kind.NOTCH, 1.0, 0.1))
+    softened = equilibrium.factors(
+        np.where(domain.subdomain.interfaces.kind == Kind.NOTCH, 1.0, 0.1)
+    )
     assert softened.number > first.number
     assert equilibrium.holds(softened) and not equilibrium.holds(first)
     domain.rewind()

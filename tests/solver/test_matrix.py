@@ -52,7 +52,7 @@ def test_broken_interfaces_add_nothing_and_leave_the_ground_and_three_supports()
 def test_values_are_the_sum_of_the_springs_of_all_interfaces() -> None:
     subdomain = subdomain_of(RANDOM, spring_stiffness(RANDOM, STEEL), 0, RANDOM.element_count)
     damage = np.random.default_rng(4).random(RANDOM.interface_count)
-    operator, constants = subdomain.jump_operator(), subdomain.spring_constants()
+    operator, constants = subdomain.jump_operator(), subdomain.interfaces.spring_constants()
     size = 3 * RANDOM.element_count
     wanted = np.zeros((size, size))
     for number, elements in enumerate(RANDOM.interface_elements):

@@ -18,9 +18,9 @@ def test_each_rank_finds_what_it_has_and_one_of_them_owns_it() -> None:
     for ends in element_ranges(NOTCHED.element_count, 3):
         subdomain = subdomain_of(NOTCHED, stiffness, *ends)
         row, place = local_interfaces(subdomain, asked)
-        assert np.array_equal(subdomain.interface_numbers[place], asked[row])
+        assert np.array_equal(subdomain.interfaces.numbers[place], asked[row])
         missing = np.setdiff1d(asked, asked[row])
-        assert not np.isin(missing, subdomain.interface_numbers).any()
+        assert not np.isin(missing, subdomain.interfaces.numbers).any()
         mine, _ = owned_interfaces(subdomain, asked)
         assert set(mine) <= set(row)
         owners[mine] += 1

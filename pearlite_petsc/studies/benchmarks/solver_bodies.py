@@ -40,12 +40,12 @@ class Body:
         """Return (F_x, F_y, M) of a K field on owned elements [uN, uN, uN um]; (owned, 3)."""
         from pearlite_petsc.mechanics.loads import element_forces, williams_mode_one
 
-        here = self.subdomain
+        boundary, centre = self.subdomain.boundary, self.subdomain.centre
         return element_forces(
-            here.facet_start,
-            here.facet_end,
-            here.boundary_elements,
-            here.centre[: here.owned_count],
+            boundary.facet_start,
+            boundary.facet_end,
+            boundary.elements,
+            centre[: self.subdomain.owned_count],
             williams_mode_one(DELTA_K, self.tip),
         )
 

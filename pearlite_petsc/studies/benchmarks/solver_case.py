@@ -31,7 +31,7 @@ def measure(comm: MPI.Comm, body: Body, method: str, cracked: bool) -> dict[str,
         cracked: Whether the notch is open; otherwise the body is intact.
     """
     here, load = body.subdomain, body.load()
-    damage = ((here.kind == Kind.NOTCH) & cracked).astype(float)
+    damage = ((here.interfaces.kind == Kind.NOTCH) & cracked).astype(float)
 
     def timed(run: Callable[[], Any]) -> tuple[float, Any]:
         comm.Barrier()
@@ -51,7 +51,7 @@ def measure(comm: MPI.Comm, body: Body, method: str, cracked: bool) -> dict[str,
         warm, warm_iterations = 0.0, []
         breaks = body.breaks[:1] if first > SLOW else body.breaks
         for number in breaks:
-            damage = np.where(here.interface_numbers == number, 1.0, damage)
+            damage = np.where(here.interfaces.numbers == number, 1.0, damage)
             update, _ = timed(lambda damage=damage: solver.update(damage))  # type: ignore[misc]
             solver.prepare()
             seconds, count = timed(lambda: solver.warm_solve(load))

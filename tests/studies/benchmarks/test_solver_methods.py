@@ -32,7 +32,7 @@ def test_a_method_solves_from_zero_and_goes_on_after_breaks(name: str, body: Bod
     if why := missing(name):
         pytest.skip(why)
     here, load = body.subdomain, body.load()
-    damage = (here.kind == Kind.NOTCH).astype(float)
+    damage = (here.interfaces.kind == Kind.NOTCH).astype(float)
     with closing(method_of(MPI.COMM_SELF, here, damage, name)) as solver:
         solver.set_up()
         iterations = solver.first_solve(load)
@@ -40,7 +40,7 @@ def test_a_method_solves_from_zero_and_goes_on_after_breaks(name: str, body: Bod
         assert 0.0 < solver.residual() <= FIRST_TOLERANCE
         solver.begin_warm(load)
         for number in body.breaks:
-            damage = np.where(here.interface_numbers == number, 1.0, damage)
+            damage = np.where(here.interfaces.numbers == number, 1.0, damage)
             solver.update(damage)
             solver.prepare()
             assert 0 < solver.warm_solve(load) < 100
